@@ -58,7 +58,7 @@ class HeadsetReport {
       spdlog::info("the first frame was shown after {}", stages_.in_words());
     }
     if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
-    if (report_) report_->watch(view);
+    if (report_) report_->watch(view), views_.push_back(view.shown.views);
     if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
     const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
@@ -97,11 +97,11 @@ class HeadsetReport {
     return options;
   }
   [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system) const {
-    return summarize(at_display(), client_,
-                     FinishedRun{.log = report_->log(),
-                                 .silence = *silence_,
-                                 .interrupted = !is_complete(),
-                                 .head = system.name()});
+    FinishedRun run{
+        .log = report_->log(), .silence = *silence_, .interrupted = !is_complete(), .head = system.name()};
+    if (const auto surroundings = Surroundings::create(client_.scene))
+      run.head_test = test_views(*surroundings, views_);
+    return summarize(at_display(), client_, run);
   }
 
   const Options& options_;
@@ -111,6 +111,7 @@ class HeadsetReport {
   HeadRecordingWriter head_;
   Timeline timeline_;
   std::optional<RunReport> report_;
+  std::vector<StereoView> views_;  ///< of the frames in `report_`
   std::optional<Silence> silence_;
   std::uint32_t frames_ = 0;
   MaskPolicy policy_;

@@ -113,6 +113,13 @@ void add_link_options(CLI::App& app, Options& options) {
                "use no key and no encryption; only for a server on this machine");
   app.add_option("--net", options.net,
                  "simulate a bad network on received datagrams: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
+  app.add_option(
+         "--path-rate", options.path_mbit_s,
+         "Mbit/s that your network carries down, or down,up: the summary says whether the traffic fits "
+         "(default: what the server measures down)")
+      ->delimiter(',')
+      ->expected(1, 2)
+      ->check(within(0.001, 1e6));
 }
 
 void add_mode_options(CLI::App& app, CommandLine& line) {

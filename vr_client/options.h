@@ -54,7 +54,8 @@ struct Options {
   std::string server = "127.0.0.1:7447";  ///< or a search (server_address)
   std::filesystem::path key;              ///< file; empty: default_key_path()
   bool insecure = false;                  ///< no key and no encryption; only with a server on this machine
-  std::string net;  ///< impairment of received datagrams, for parse_link_model; empty: none
+  std::string net;                  ///< impairment of received datagrams, for parse_link_model; empty: none
+  std::vector<double> path_mbit_s;  ///< that the network carries down, or down and up; empty: not stated
   ModeSettings mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;

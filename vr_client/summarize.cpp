@@ -74,6 +74,8 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
                            .interrupted = run.interrupted};
   RunTotals totals = totals_of(client, options.size, options.refresh_hz, run.log);
   totals.reference_every = options.reference_every;
+  if (const std::vector<double>& rate = options.path_mbit_s; !rate.empty())
+    totals.stated_path = {rate.front(), rate.size() > 1 ? std::optional(rate.back()) : std::nullopt};
   totals.missed = run.missed;
   if (run.head_test.tested > 0)
     totals.inside_share =

@@ -16,20 +16,23 @@ constexpr int kAcross = 12;      ///< rays across and down a picture
 constexpr double kTouch_m = 0.01, kSolid_m = 0.5, kLeastSeen = 0.01,
                  kSmallThing_rad = 0.5 * std::numbers::pi / 180;
 
-using Eyes = PerEye<Rigid<Stage, Eye>>;
+View eye_of(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head, Side side) {
+  return {.stage_from_eye = stage_from_head * head_from_eye(side, recording.eye_distance_m),
+          .fov = recording.fov[index_of(side)],
+          .size = {}};
+}
 
-Eyes eyes_of(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head) {
-  return {stage_from_head * head_from_eye(Side::Left, recording.eye_distance_m),
-          stage_from_head * head_from_eye(Side::Right, recording.eye_distance_m)};
+StereoView eyes_of(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head) {
+  return {eye_of(recording, stage_from_head, Side::Left), eye_of(recording, stage_from_head, Side::Right)};
 }
 
 bool is_inside_of_solid(const Met& met) {
   return met.side == Met::Side::UnseenBack || (met.side == Met::Side::Back && met.distance_m < kSolid_m);
 }
 
-bool is_inside_geometry(const Surroundings& surroundings, const Eyes& eyes) {
+bool is_inside_geometry(const Surroundings& surroundings, const StereoView& eyes) {
   static const std::vector<Vector<Stage>> around = directions_around(kRaysAround);
-  const Point<Stage> left{eyes[0].translation}, right{eyes[1].translation};
+  const Point<Stage> left{eyes[0].stage_from_eye.translation}, right{eyes[1].stage_from_eye.translation};
   std::vector<Ray> rays;
   for (const Point<Stage> eye : {left, right})
     for (const Vector<Stage>& direction : around) rays.push_back({eye, direction});
@@ -41,32 +44,30 @@ bool is_inside_geometry(const Surroundings& surroundings, const Eyes& eyes) {
          std::ranges::count_if(met, is_inside_of_solid) > kRaysAround;
 }
 
-void add_picture_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, int across,
-                      std::vector<Ray>& rays) {
-  const FovTangents window = tangents_of(fov);
+void add_picture_rays(const View& eye, int across, std::vector<Ray>& rays) {
+  const FovTangents window = tangents_of(eye.fov);
   for (int y = 0; y < across; ++y)
     for (int x = 0; x < across; ++x) {
       const double right = std::lerp(window.left_tan, window.right_tan, (x + 0.5) / across),
                    up = std::lerp(window.down_tan, window.up_tan, (y + 0.5) / across);
       const Vector<Eye> direction{glm::normalize(glm::dvec3(right, up, -1))};
-      rays.push_back({{stage_from_eye.translation}, stage_from_eye(direction)});
+      rays.push_back({{eye.stage_from_eye.translation}, eye.stage_from_eye(direction)});
     }
 }
 
 /// Rays to places within the box around the scene that are in the eye's picture. None if the eye is in the
 /// box, or the box looks smaller than half a degree.
-void add_box_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, const Bounds& box,
-                  std::vector<Ray>& rays) {
+void add_box_rays(const View& view, const Bounds& box, std::vector<Ray>& rays) {
   constexpr int kPlaces = 5;  // along an axis
-  const glm::dvec3 eye = stage_from_eye.translation, size = box.high - box.low;
+  const glm::dvec3 eye = view.stage_from_eye.translation, size = box.high - box.low;
   const double distance = glm::length(eye - glm::clamp(eye, box.low, box.high));
   if (!(distance > 0) || glm::length(size) < kSmallThing_rad * distance) return;
-  const FovTangents window = tangents_of(fov);
+  const FovTangents window = tangents_of(view.fov);
   for (int i = 0; i < kPlaces * kPlaces * kPlaces; ++i) {
     const glm::dvec3 part =
         (glm::dvec3(i % kPlaces, i / kPlaces % kPlaces, i / (kPlaces * kPlaces)) + 0.5) * (1.0 / kPlaces);
     const Vector<Stage> way{box.low + part * size - eye};
-    const glm::dvec3 seen = inverse(stage_from_eye)(way).v;
+    const glm::dvec3 seen = inverse(view.stage_from_eye)(way).v;
     const glm::dvec2 at = glm::dvec2(seen) / -seen.z;
     if (seen.z < 0 && at.x > window.left_tan && at.x < window.right_tan && at.y > window.down_tan &&
         at.y < window.up_tan)
@@ -78,23 +79,19 @@ bool meets(const Met& met) {
   return met.distance_m != kNoSurface_m;
 }
 
-std::vector<Ray> picture_rays(const HeadRecording& recording, const Eyes& eyes, int across) {
+std::vector<Ray> picture_rays(const StereoView& eyes, int across) {
   std::vector<Ray> rays;
-  for (const Side side : kSides)
-    add_picture_rays(eyes[index_of(side)], recording.fov[index_of(side)], across, rays);
+  for (const View& eye : eyes) add_picture_rays(eye, across, rays);
   return rays;
 }
 
-bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recording, const Eyes& eyes) {
-  std::vector<Ray> rays = picture_rays(recording, eyes, kAcross);
+bool sees_nothing(const Surroundings& surroundings, const StereoView& eyes) {
+  std::vector<Ray> rays = picture_rays(eyes, kAcross);
   const std::vector<Met> met = surroundings.first_seen(rays);
   const auto seen = std::ranges::count_if(met, meets);
   if (static_cast<double>(seen) >= kLeastSeen * static_cast<double>(met.size())) return false;
   rays.clear();
-  for (const Side side : kSides) {
-    const std::size_t eye = index_of(side);
-    add_box_rays(eyes[eye], recording.fov[eye], surroundings.bounds(), rays);
-  }
+  for (const View& eye : eyes) add_box_rays(eye, surroundings.bounds(), rays);
   return std::ranges::none_of(surroundings.first_seen(rays), meets);
 }
 
@@ -116,26 +113,37 @@ std::vector<Vector<Stage>> directions_around(int count) {
 
 std::vector<Ray> picture_rays(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head,
                               int across) {
-  return picture_rays(recording, eyes_of(recording, stage_from_head), across);
+  return picture_rays(eyes_of(recording, stage_from_head), across);
+}
+
+PoseVerdict judge(const Surroundings& surroundings, const StereoView& eyes) {
+  if (is_inside_geometry(surroundings, eyes)) return PoseVerdict::InsideGeometry;
+  return sees_nothing(surroundings, eyes) ? PoseVerdict::SeesNothing : PoseVerdict::Sees;
 }
 
 PoseVerdict judge(const Surroundings& surroundings, const HeadRecording& recording,
                   const Rigid<Stage, Head>& stage_from_head) {
-  const Eyes eyes = eyes_of(recording, stage_from_head);
-  if (is_inside_geometry(surroundings, eyes)) return PoseVerdict::InsideGeometry;
-  return sees_nothing(surroundings, recording, eyes) ? PoseVerdict::SeesNothing : PoseVerdict::Sees;
+  return judge(surroundings, eyes_of(recording, stage_from_head));
 }
 
 HeadTest test_head(const Surroundings& surroundings, const HeadRecording& recording,
                    const Rigid<Stage, Recorded>& stage_from_recorded, const Shown& shown) {
-  HeadTest test;
   const Duration span = std::max(shown.until - shown.from, Duration{});
   const std::size_t poses = span > Duration{} ? kMostPoses : 1;
-  for (; test.tested < poses; ++test.tested) {
-    const double part = poses > 1 ? static_cast<double>(test.tested) / (kMostPoses - 1) : 0;
+  std::vector<StereoView> views;
+  for (std::size_t i = 0; i < poses; ++i) {
+    const double part = poses > 1 ? static_cast<double>(i) / (kMostPoses - 1) : 0;
     const Time time = recording.start() + shown.from + duration_from_ms(part * ms_of(span));
-    const PoseVerdict verdict =
-        judge(surroundings, recording, stage_from_recorded * head_at(recording, time));
+    views.push_back(eyes_of(recording, stage_from_recorded * head_at(recording, time)));
+  }
+  return test_views(surroundings, views);
+}
+
+HeadTest test_views(const Surroundings& surroundings, std::span<const StereoView> views) {
+  HeadTest test;
+  test.tested = std::min(views.size(), kMostPoses);
+  for (std::size_t i = 0; i < test.tested; ++i) {
+    const PoseVerdict verdict = judge(surroundings, views[i * views.size() / test.tested]);
     test.inside += verdict == PoseVerdict::InsideGeometry;
     test.see_nothing += verdict == PoseVerdict::SeesNothing;
   }

@@ -11,14 +11,19 @@
 /// degree in its picture.
 #pragma once
 
+#include <span>
 #include <string>
 
+#include "stereo/frame/view.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/placement/surroundings.h"
 
 namespace farshade {
 
 enum class PoseVerdict : std::uint8_t { Sees, InsideGeometry, SeesNothing };
+
+/// The verdict on one pose of a head.
+[[nodiscard]] PoseVerdict judge(const Surroundings& surroundings, const StereoView& eyes);
 
 /// The verdict on one pose of the recorded head.
 [[nodiscard]] PoseVerdict judge(const Surroundings& surroundings, const HeadRecording& recording,
@@ -43,6 +48,9 @@ struct Shown {
 /// Judges at most 64 poses, evenly over the shown part.
 [[nodiscard]] HeadTest test_head(const Surroundings& surroundings, const HeadRecording& recording,
                                  const Rigid<Stage, Recorded>& stage_from_recorded, const Shown& shown);
+
+/// Judges at most 64 of these views, evenly.
+[[nodiscard]] HeadTest test_views(const Surroundings& surroundings, std::span<const StereoView> views);
 
 /// "of 64 poses of the head, 12 % are inside geometry and 3 % see nothing"
 [[nodiscard]] std::string in_words(const HeadTest& test);

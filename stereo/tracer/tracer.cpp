@@ -397,6 +397,31 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
   return stats;
 }
 
+PerEye<Image<float>> Tracer::distances(const FrameRequest& request) {
+  impl_->advance_to(request.scene_time, request.lights);
+  const auto of_view = [&](const View& view) {
+    check(is_valid(view), "a traced view is valid");
+    const ViewRays rays = rays_of(view, impl_->model.anchor_from_stage());
+    const glm::vec3 ahead(view.stage_from_eye(Vector<Eye>{{0, 0, -1}}).v);
+    const std::vector<BlockGroup> groups = groups_of(view.size, impl_->plan.mask.lights, {});
+    Image<float> distances(view.size, 0.0f);
+    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t number) {
+      TileSurface surface;
+      see_group<4>(*impl_->rays, impl_->model, rays, groups[number], surface);
+      for (int at = 0; at < surface.pixels; ++at) {
+        const BlockPlace block = groups[number].blocks[static_cast<std::size_t>(at / kBlockPixels)];
+        const TilePixel in_block = kTileOrder[static_cast<std::size_t>(at % kBlockPixels)];
+        const std::uint32_t x = block.x + in_block.x, y = block.y + in_block.y;
+        if (x >= view.size.width || y >= view.size.height || surface.reach[at] == 0) continue;
+        const glm::vec3 p(surface.px[at], surface.py[at], surface.pz[at]);
+        distances.at(x, y) = glm::dot(p - rays.origin.v, ahead);
+      }
+    });
+    return distances;
+  };
+  return {of_view(request.views[0]), of_view(request.views[1])};
+}
+
 MaskLayout Tracer::layout() const {
   return impl_->plan.mask;
 }

@@ -117,6 +117,10 @@ class Tracer {
   TraceStats trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                    const PositionGrid& grid, ShadowFrame& frame, const GiveUp& give_up = {});
 
+  /// The surfaces that the primary rays of whole views meet: metres along -z, 0 where there is none. For
+  /// comparing them with those of a rasteriser.
+  [[nodiscard]] PerEye<Image<float>> distances(const FrameRequest& request);
+
   [[nodiscard]] TracerMemory memory() const;
   [[nodiscard]] MaskLayout layout() const;
 

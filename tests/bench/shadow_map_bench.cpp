@@ -10,11 +10,11 @@
 #include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
-#include "tests/metrics/flip.h"
-#include "tests/metrics/pixels_per_degree.h"
 #include "vr_client/report/measure.h"
 
 namespace {

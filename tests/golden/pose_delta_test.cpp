@@ -10,15 +10,15 @@
 
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/heat_map.h"
+#include "stereo/metrics/pixels_per_degree.h"
+#include "stereo/metrics/ssim.h"
 #include "stereo/scene/gltf.h"
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/pose_delta_rows.h"
 #include "tests/golden/reproject_reference.h"
 #include "tests/golden/test_rig.h"
-#include "tests/metrics/flip.h"
-#include "tests/metrics/heat_map.h"
-#include "tests/metrics/pixels_per_degree.h"
-#include "tests/metrics/ssim.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -3,25 +3,17 @@
 #include <algorithm>
 
 #include "stereo/image/codec.h"
-#include "tests/metrics/flip.h"
-#include "tests/metrics/heat_map.h"
-#include "tests/metrics/pixels_per_degree.h"
-#include "tests/metrics/ssim.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/heat_map.h"
+#include "stereo/metrics/pixels_per_degree.h"
+#include "stereo/metrics/ssim.h"
 
 namespace farshade::study {
 
 void Comparison::add(const PerEye<View>& views, const MeasuredFrame& frame) {
-  ComparedFrame compared{.shown = frame.shown, .reference = frame.reference, .error = {}};
-  double worse_ssim = 1;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    compared.error[eye] = flip(frame.reference[eye], frame.shown[eye], pixels_per_degree(views[eye]));
-    compared.flip = std::max(compared.flip, mean(compared.error[eye]));
-    worse_ssim = std::min(worse_ssim, ssim(frame.reference[eye], frame.shown[eye]));
-  }
   if (!frame.smooth[0].pixels.empty()) add_smooth(views, frame);
-  figures_.add(Group::Error, "flip", compared.flip);
-  figures_.add(Group::Error, "ssim", worse_ssim, Worse::Low);
-  if (compared.flip > worst_.flip) worst_ = std::move(compared);
+  const double worse = std::max(mean(frame.flip[0]), mean(frame.flip[1]));
+  if (worse > worst_flip_) worst_flip_ = worse, worst_ = {frame.shown, frame.reference, frame.flip};
 }
 
 void Comparison::add_smooth(const PerEye<View>& views, const MeasuredFrame& frame) {
@@ -36,13 +28,13 @@ void Comparison::add_smooth(const PerEye<View>& views, const MeasuredFrame& fram
 }
 
 Expected<void> Comparison::write(const std::filesystem::path& folder) const {
-  if (worst_.flip < 0) return {};
+  if (worst_flip_ < 0) return {};
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
     const auto path = [&](const char* what) { return folder / (std::string(name_of(side)) + what); };
     for (const Expected<void>& done : {write_png(path("_shown.png"), worst_.shown[eye]),
                                        write_png(path("_reference.png"), worst_.reference[eye]),
-                                       write_png(path("_heat.png"), heat_map(worst_.error[eye]))})
+                                       write_png(path("_heat.png"), heat_map(worst_.flip[eye]))})
       if (!done) return done;
   }
   return {};

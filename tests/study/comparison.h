@@ -1,4 +1,5 @@
-/// Comparison: the perceptual metrics of compared frames, and the pictures of the worst one.
+/// Comparison: the pictures of the worst of compared frames, and perceptual metrics against smooth
+/// references.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +15,8 @@ class Comparison {
   /// `figures` must outlive this.
   explicit Comparison(Figures& figures) : figures_(figures) {}
 
-  /// Adds the figures `flip` and `ssim` of the frame's worse eye; they may be of different eyes. If the frame
-  /// has a smooth reference, `smooth_flip` and `smooth_ssim` are those against it.
+  /// If the frame has a smooth reference, adds the figures `smooth_flip` and `smooth_ssim` of the frame's
+  /// worse eye; they may be of different eyes.
   void add(const PerEye<View>& views, const MeasuredFrame& frame);
 
   /// Writes `{left,right}_{shown,reference,heat}.png` of the frame with the largest FLIP into an existing
@@ -24,13 +25,13 @@ class Comparison {
 
  private:
   void add_smooth(const PerEye<View>& views, const MeasuredFrame& frame);
-  struct ComparedFrame {
+  struct Pictures {
     PerEye<Image<Rgb8>> shown, reference;
-    PerEye<Image<float>> error;
-    double flip = -1;  ///< the worse eye's
+    PerEye<Image<float>> flip;
   };
   Figures& figures_;
-  ComparedFrame worst_;
+  Pictures worst_;
+  double worst_flip_ = -1;  ///< of the worse eye
 };
 
 }  // namespace farshade::study

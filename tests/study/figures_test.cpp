@@ -54,8 +54,14 @@ Played two_frames(const PerEye<EyeErrors>& errors) {
 
 TEST(Figures, OfAFrameAreItsWorseEyesAndLeaveStartUpOut) {
   Figures figures;
-  add_errors(two_frames({eye(0.25, 30), eye(0.5, 40)}), 0, figures);
+  EyeErrors left = eye(0.25, 30), right = eye(0.5, 40);
+  left.flip = 0.25, left.ssim = 0.75, left.other_surface = 0.125;
+  right.flip = 0.125, right.ssim = 0.875, right.other_surface = 0.25;
+  add_errors(two_frames({left, right}), 0, figures);
   const nlohmann::json told = figures.json();
+  EXPECT_EQ(told["error"]["flip"]["median"], 0.25);
+  EXPECT_EQ(told["error"]["ssim"]["median"], 0.75);
+  EXPECT_EQ(told["error"]["other_surface"]["median"], 25.0);
   EXPECT_EQ(told["error"]["mask_error"]["median"], 50.0);
   EXPECT_EQ(told["error"]["mask_error"]["count"], 1);
   EXPECT_EQ(told["error"]["psnr"]["median"], 30.0);

@@ -9,7 +9,7 @@ SAID = ["kind", "part", "axis", "x", "scene", "trace", "network", "network_words
 # Short names for the medians that plots and tables use: name -> (group, figure).
 SHORT = {"flip": ("error", "flip"), "ssim": ("error", "ssim"), "psnr": ("error", "psnr"),
          "mask_error": ("error", "mask_error"), "staleness": ("wire", "staleness"), "latency": ("wire", "latency"),
-         "black": ("error", "black"), "unknown": ("error", "unknown"),
+         "black": ("error", "black"), "other_surface": ("error", "other_surface"), "unknown": ("error", "unknown"),
          "bytes": ("wire", "down_bytes"), "bytes_up": ("wire", "up_bytes"), "answers": ("wire", "answers"),
          "client_ms": ("time", "client_frame"), "answer_ms": ("time", "server_frame")}
 # Modes without a server: their errors are measured on one network only.

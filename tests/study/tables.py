@@ -192,11 +192,11 @@ def timings(rows):
 
 def figures(modes):
     lines = [[*sized(r), r["words"], r["flip"], r.get("error.flip.p95"), r["psnr"], r["ssim"], r["mask_error"],
-              r["black"], r["staleness"] and round(r["staleness"], 3) + 0.0, r["bytes"], r["bytes_up"], r["client_ms"],
+              r["black"], r["other_surface"], r["staleness"] and round(r["staleness"], 3) + 0.0, r["bytes"], r["bytes_up"], r["client_ms"],
               r["server_ms"]] for r in modes]
     return table("Medians, except columns named p95. Errors of the worse eye, bytes per shown frame.",
                  ["px", "scene", "head", "network", "settings", "FLIP", "FLIP p95", "PSNR, dB", "SSIM", "mask error, %",
-                  "black, %", "staleness, ms", "bytes down", "bytes up", "client, ms", "server, ms"], lines)
+                  "black, %", "other surface, %", "staleness, ms", "bytes down", "bytes up", "client, ms", "server, ms"], lines)
 
 
 def all_of(rows, fits):

@@ -152,6 +152,24 @@ TEST(HeadTest, CountsThePosesOfTheShownPart) {
   EXPECT_EQ(test_head(surroundings, recording, {}, {}).tested, 1u) << "one frame";
 }
 
+TEST(HeadTest, CountsViewsThatWereShown) {
+  const Scene box = box_scene({1, 1, 1}, Walls::Single, Wound::Outwards);
+  const Surroundings surroundings = Surroundings::create(box).value();
+  std::vector<StereoView> views(300);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (View& view : views[i]) {
+      view.fov = {-0.8, 0.8, 0.8, -0.8};
+      view.stage_from_eye = {.rotation = {1, 0, 0, 0}, .translation = {0, 0, i < 100 ? 0 : 3}};
+      if (i >= 250) view.stage_from_eye.rotation = rotation_exp({0, std::numbers::pi, 0});
+    }
+  const HeadTest test = test_views(surroundings, views);
+  EXPECT_EQ(test.tested, 64u);
+  EXPECT_NEAR(static_cast<double>(test.inside), 64 / 3.0, 1);
+  EXPECT_NEAR(static_cast<double>(test.see_nothing), 64 / 6.0, 1);
+  EXPECT_EQ(test_views(surroundings, std::span(views).first(3)).inside, 3u) << "each, if there are few";
+  EXPECT_EQ(test_views(surroundings, {}).tested, 0u);
+}
+
 TEST(HeadTest, IsBadAboveFivePercent) {
   EXPECT_FALSE((HeadTest{.tested = 60, .inside = 1, .see_nothing = 2}.is_bad()));
   EXPECT_TRUE((HeadTest{.tested = 60, .inside = 2, .see_nothing = 2}.is_bad()));

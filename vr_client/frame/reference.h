@@ -16,6 +16,11 @@ class Reference {
   /// until the next call.
   [[nodiscard]] TracedMask trace(const FrameRequest& request);
 
+  /// The surfaces that its primary rays meet (tracer.h).
+  [[nodiscard]] PerEye<Image<float>> distances(const FrameRequest& request) {
+    return tracer_.distances(request);
+  }
+
  private:
   Tracer tracer_;
   ShadowFrame frame_;

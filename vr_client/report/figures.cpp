@@ -250,7 +250,18 @@ std::vector<Figure> picture_figures(Side side) {
                [](const EyeErrors& e) { return e.psnr_db; }),
           psnr("PSNR to smooth edges",
                "The same against a reference with N x N samples a pixel (--reference-samples N).",
-               [](const EyeErrors& e) { return e.smooth_psnr_db; })};
+               [](const EyeErrors& e) { return e.smooth_psnr_db; }),
+          error(side,
+                {"", "FLIP", "",
+                 "The mean FLIP of the shown picture against the reference picture: what a viewer sees who "
+                 "flips between both (Andersson et al. 2020); 0: equal.",
+                 ""},
+                kAll, Worse::High, [](const EyeErrors& e) { return e.flip; }),
+          error(side,
+                {"", "SSIM", "",
+                 "The mean SSIM of the shown picture and the reference picture (Wang et al. 2004); 1: equal.",
+                 ""},
+                kAll, Worse::Low, [](const EyeErrors& e) { return e.ssim; })};
 }
 
 /// Where the visibility of a pixel-light comes from.
@@ -283,9 +294,21 @@ std::vector<Figure> source_figures(Side side) {
             [](const EyeErrors& e) { return 100 * e.stale; })};
 }
 
+/// Figures that eyes without any surface have, too.
 std::vector<Figure> cover_figures(Side side) {
   const std::size_t eye = index_of(side);
   return {
+      {{"eye", "other surface", "% of pixels",
+        "Pixels in which the rasteriser, in full detail, and the rays of the reference see another surface: "
+        "only one of them sees any, or their distances differ by more than 1 %.",
+        "In every frame that is compared with the reference."},
+       [eye](const FrameRecord& r) -> Value {
+         if (!r.errors || std::isnan((*r.errors)[eye].other_surface)) return std::nullopt;
+         return 100 * (*r.errors)[eye].other_surface;
+       },
+       Worse::High,
+       kAll,
+       side},
       {{"eye", "shows a surface", "% of pixels",
         "Pixels of the eye that show a surface. The other figures of the eye count only these.",
         "In every frame that is compared with the reference."},
@@ -354,10 +377,6 @@ std::string full_name(const FigureText& text) {
   return text.group + " " + text.name;
 }
 
-std::string with_unit(const FigureText& text) {
-  return full_name(text) + ", " + text.unit;
-}
-
 /// `name` in lower case, without the eye's side and without the unit of a column of frames.csv.
 std::string plain(const std::string& name) {
   std::string text = lower(name.substr(0, name.find(" [")));
@@ -367,6 +386,10 @@ std::string plain(const std::string& name) {
 }
 
 }  // namespace
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + ", " + unit;
+}
 
 std::string Figure::group() const {
   return side ? std::string(name_of(*side)) + " " + text.group : text.group;
@@ -397,9 +420,10 @@ Expected<std::string> explain(const std::string& name) {
     const std::string full = lower(full_name(figure)), alone = lower(figure.name);
     for (const std::string& known : {full, alone}) names.push_back(known);
     if (name.empty())
-      text += fmt::format("{:<48}{}\n", with_unit(figure), figure.meaning);
+      text += fmt::format("{:<48}{}\n", with_unit(full_name(figure), figure.unit), figure.meaning);
     else if (wanted == full || wanted == alone)
-      text += fmt::format("{}\n  {}\n  {}\n", with_unit(figure), figure.meaning, figure.measured);
+      text += fmt::format("{}\n  {}\n  {}\n", with_unit(full_name(figure), figure.unit), figure.meaning,
+                          figure.measured);
   }
   if (!text.empty()) return text;
   const std::string meant = suggestion(wanted, names);

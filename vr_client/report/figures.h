@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,12 +15,15 @@ namespace farshade {
 
 /// What the user reads about a figure.
 struct FigureText {
-  std::string group;  ///< "client", "server", "wire", "head", "eye" or "run"
-  std::string name;   ///< unique in its group
-  std::string unit;
+  std::string group;     ///< "client", "server", "wire", "head", "eye" or "run"
+  std::string name;      ///< unique in its group
+  std::string unit;      ///< empty for numbers without one
   std::string meaning;   ///< one sentence: what it is
   std::string measured;  ///< one sentence: how and when it is measured
 };
+
+/// "PSNR, dB"
+[[nodiscard]] std::string with_unit(const std::string& name, const std::string& unit);
 
 /// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.
 enum class Worse : std::uint8_t { High, Low };
@@ -42,6 +46,12 @@ struct Figure {
 /// All of them, in the order of the summary's rows and of the columns of frames.csv.
 [[nodiscard]] const std::vector<Figure>& figures();
 
+/// What a network carries.
+struct PathRate {
+  double down_mbit_s = 0;
+  std::optional<double> up_mbit_s{};  ///< no value: unknown
+};
+
 /// What a run counts once.
 struct RunTotals {
   Duration period{};  ///< of the display
@@ -52,6 +62,7 @@ struct RunTotals {
   Extent eye_size{};                                         ///< of the shown pictures
   bool cpu_draws = false;                                    ///< there was no GPU
   double inside_share = 0;                                   ///< of the head's poses: those inside geometry
+  std::optional<PathRate> stated_path{};                     ///< by the user
   std::uint32_t reference_every = 0;  ///< every Nth frame is compared with a full trace; 0: none
 };
 

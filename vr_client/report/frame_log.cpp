@@ -43,7 +43,8 @@ std::string summary_csv(const std::vector<SummaryRow>& rows) {
 std::string frames_csv(const std::vector<FrameRecord>& records) {
   std::string text = "frame,display_time_ns,server_silent";
   for (const Figure& figure : figures())
-    text += fmt::format(",{} {} [{}]", figure.group(), figure.text.name, figure.text.unit);
+    text += fmt::format(",{} {}{}", figure.group(), figure.text.name,
+                        figure.text.unit.empty() ? "" : " [" + figure.text.unit + "]");
   text += '\n';
   for (const FrameRecord& record : records) {
     text += fmt::format("{},{},{:d}", record.frame.value, ns_of(record.display_time), record.silent);

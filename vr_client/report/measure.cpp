@@ -1,11 +1,16 @@
 #include "vr_client/report/measure.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "stereo/draw/frame_data.h"
 #include "stereo/image/difference.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/pixels_per_degree.h"
+#include "stereo/metrics/ssim.h"
 #include "vr_client/report/reference_pictures.h"
 
 namespace farshade {
@@ -67,6 +72,17 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
                         &errors.neighbours, &errors.unknown, &errors.stale})
     *share /= total;
   return errors;
+}
+
+double other_surface_share(const Image<float>& drawn_m, const Image<float>& traced_m) {
+  constexpr float kSame = 0.01f;
+  if (drawn_m.pixels.empty()) return 0;
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < drawn_m.pixels.size(); ++i) {
+    const float drawn = drawn_m.pixels[i], traced = traced_m.pixels[i];
+    others += std::abs(drawn - traced) > kSame * std::min(drawn, traced);
+  }
+  return static_cast<double>(others) / static_cast<double>(drawn_m.pixels.size());
 }
 
 double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownReport& shown,
@@ -147,20 +163,26 @@ PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& r
                             : PerEye<Image<Rgb8>>{};
   const TracedMask truth = reference.trace(frame.shown);
   into.reference = draw_traced(frame.shown, frame.state, truth, renderer);
+  const PerEye<Image<float>> drawn = renderer.read_distance(), traced = reference.distances(frame.shown);
 
   const bool shaded = frame.as == ShownAs::Shaded;
   PerEye<EyeErrors> errors;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+  tbb::parallel_for(std::size_t{0}, kEyes, [&](std::size_t eye) {
     const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
     errors[eye] = shaded ? compare_masks(into.report[eye], truth.masks[eye]) : not_shaded(psnr);
     errors[eye].psnr_db = psnr;
+    const double degree_px = pixels_per_degree(frame.shown.views[eye]);
+    into.flip[eye] = flip(into.reference[eye], into.shown[eye], degree_px);
+    errors[eye].flip = mean(into.flip[eye]);
+    errors[eye].ssim = ssim(into.shown[eye], into.reference[eye]);
+    errors[eye].other_surface = other_surface_share(drawn[eye], traced[eye]);
     if (samples > 1)
       errors[eye].smooth_psnr_db = std::min(psnr_db(into.shown[eye], into.smooth[eye]), kEqualPictures_dB);
-    if (frame.newest[eye].size().pixels() == 0) continue;
+    if (frame.newest[eye].size().pixels() == 0) return;
     errors[eye].unmoved_error =
         unmoved_error(frame.newest[eye], grid_offset_px(frame.shown.views[eye], frame.traced[eye]),
                       into.report[eye], truth.masks[eye]);
-  }
+  });
   return errors;
 }
 

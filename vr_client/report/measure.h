@@ -14,7 +14,8 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
 /// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from
-/// the server, single lights cannot be distinguished, and all values but the PSNR are kNotMeasured. If an
+/// the server, single lights cannot be distinguished, and all values but those of whole pictures are
+/// kNotMeasured. If an
 /// eye shows no surface, they are 0, and the log leaves them out.
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
@@ -31,7 +32,14 @@ struct EyeErrors {
   /// Share of the eye's pixels that show a surface: of these, all others are shares.
   double covered = kNotMeasured;
   double smooth_psnr_db = kNotMeasured;  ///< of the shown picture, against the smooth reference
+  /// Share of the eye's pixels in which the rasteriser, in full detail, and the reference tracer's own rays
+  /// see another surface (other_surface_share).
+  double other_surface = kNotMeasured;
+  double flip = kNotMeasured, ssim = kNotMeasured;  ///< of the shown picture, against the reference
 };
+
+/// The share of pixels that only one of both covers, or in which the distances differ by more than 1 %.
+[[nodiscard]] double other_surface_share(const Image<float>& drawn_m, const Image<float>& traced_m);
 
 /// Compares `shown`, the report of the shading pass, with `reference`, which was traced for the same view.
 /// The caller sets psnr_db and unmoved_error.
@@ -47,6 +55,7 @@ struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
   PerEye<Image<Rgb8>> smooth{};  ///< the smooth reference; empty if there was none
+  PerEye<Image<float>> flip{};   ///< of each pixel of `shown`, against `reference`
   PerEye<ShownReport> report;    ///< empty if the client did not shade the frame
   MaskAges ages;
 };

@@ -50,7 +50,7 @@ ordered_json json_of(const std::optional<ByteUse>& use) {
           {"up_bytes_a_frame", use->up_bytes},
           {"down_mbit_s", use->down_mbit_s},
           {"up_mbit_s", use->up_mbit_s},
-          {"path_mbit_s", use->path_mbit_s ? ordered_json(*use->path_mbit_s) : ordered_json()},
+          {"path_mbit_s", use->path ? ordered_json(use->path->down_mbit_s) : ordered_json()},
           {"view_size_percent", use->view_size_percent},
           {"fits", use->budget() == Budget::Kept}};
 }
@@ -91,7 +91,7 @@ std::string table(const FrameLog& log, Mode mode) {
     group = figure.group();
     const int digits = row.spread.median >= 1000 ? 0 : 3;
     text +=
-        fmt::format("  {:<32}{:>12.{}f}{:>12.{}f}{:>12.{}f}\n", figure.text.name + ", " + figure.text.unit,
+        fmt::format("  {:<32}{:>12.{}f}{:>12.{}f}{:>12.{}f}\n", with_unit(figure.text.name, figure.text.unit),
                     row.spread.median, digits, row.spread.p95, digits, row.spread.p99, digits);
   }
   return text;

@@ -64,7 +64,9 @@ std::optional<ByteUse> byte_use(const FrameLog& log, const RunTotals& totals) {
   use.up_mbit_s = use.up_bytes * mbit_per_byte;
   std::vector<double> rates = log.values(figure_of("wire", "rate of the path"));
   std::erase(rates, RateControl::kStart * 8e-6);  // until something is measured
-  if (!rates.empty()) use.path_mbit_s = quantile(rates, 0.5);
+  if (!rates.empty()) use.path = PathRate{.down_mbit_s = quantile(rates, 0.5)};
+  use.is_stated = totals.stated_path.has_value();
+  if (use.is_stated) use.path = totals.stated_path;
   if (const auto size = spread_of(log, "wire", "size of requested views"))
     use.view_size_percent = size->median;
   return use;
@@ -86,14 +88,15 @@ std::string not_measured(const RunTotals& totals) {
 std::string picture_in_words(const std::optional<PictureError>& picture, const RunTotals& totals) {
   if (totals.inside_share > kMostInside)
     return fmt::format(
-        "INVALID: the head is inside geometry in {:.0f} % of its poses; the cure is --place fit or "
-        "--stand X,Y,Z",
+        "INVALID: the head is inside geometry in {:.0f} % of its poses; the cure is --stand X,Y,Z or, for a "
+        "recorded head, --place fit",
         100 * totals.inside_share);
   if (!picture) return not_measured(totals);
   const Spread& psnr = picture->psnr_db;
   if (psnr.p99 >= kEqualPictures_dB) return "equal to a full trace";
   std::string text = fmt::format("PSNR {:.1f} dB against a full trace, {:.1f} dB in the worst 1 % of frames",
                                  psnr.median, psnr.p99);
+  text += fmt::format("; FLIP {:.3f}, SSIM {:.3f}", picture->flip, picture->ssim);
   if (const auto& error = picture->mask_error_percent)
     text += fmt::format("; mask error {:.2f} %, {:.2f} % in the worst 1 %", error->median, error->p99);
   return text + fmt::format(" ({} eye, the worse one)", name_of(picture->eye));
@@ -155,11 +158,15 @@ std::string bytes_in_words(const ByteUse& use, const RunTotals& totals) {
   std::string text = fmt::format(
       "{:.1f} kB down and {:.1f} kB up a frame: {:.1f} and {:.1f} Mbit/s at {:g} Hz", use.down_bytes * 1e-3,
       use.up_bytes * 1e-3, use.down_mbit_s, use.up_mbit_s, std::round(1e5 / ms_of(totals.period)) * 1e-2);
-  if (!use.path_mbit_s) return text + "; the rate of the path was not measured: the run sent too little";
-  const double path = *use.path_mbit_s;
-  text += fmt::format(" of {:.0f} Mbit/s that the path was measured to carry down: {}", path,
+  if (!use.path)
+    return text + "; the rate of the path was not measured: the run sent too little; --path-rate states it";
+  const PathRate path = *use.path;
+  text += fmt::format(" of {:g}", use.is_stated ? path.down_mbit_s : std::round(path.down_mbit_s));
+  if (path.up_mbit_s) text += fmt::format(" and {:g}", *path.up_mbit_s);
+  text += fmt::format(" Mbit/s that {}: {}",
+                      use.is_stated ? "--path-rate states" : "the path was measured to carry down",
                       use.budget() == Budget::Kept ? "fits" : "does not fit");
-  if (use.up_mbit_s > path) text += ", if it carries no more up";
+  if (!path.up_mbit_s && use.up_mbit_s > path.down_mbit_s) text += ", if it carries no more up";
   if (use.view_size_percent < 100)
     text += fmt::format(", the server asks for {:.0f} % of the width", use.view_size_percent);
   return text;
@@ -171,9 +178,10 @@ std::optional<PictureError> picture_error(const FrameLog& log) {
   std::optional<PictureError> worse;
   for (const Side side : kSides) {
     const std::string eye = std::string(name_of(side)) + " eye";
+    const auto median = [&](const char* name) { return spread_of(log, eye, name).value_or(Spread{}).median; };
     const std::optional<Spread> psnr = spread_of(log, eye, "PSNR");
     if (psnr && (!worse || psnr->median < worse->psnr_db.median))
-      worse = {side, *psnr, spread_of(log, eye, "mask error")};
+      worse = {side, *psnr, median("FLIP"), median("SSIM"), spread_of(log, eye, "mask error")};
   }
   return worse;
 }
@@ -184,7 +192,8 @@ Budget TimeUse::budget() const {
 }
 
 Budget ByteUse::budget() const {
-  const bool is_carried = !path_mbit_s || std::max(down_mbit_s, up_mbit_s) <= *path_mbit_s;
+  const bool is_carried =
+      !path || (down_mbit_s <= path->down_mbit_s && up_mbit_s <= path->up_mbit_s.value_or(path->down_mbit_s));
   return is_carried && view_size_percent >= 100 ? Budget::Kept : Budget::Exceeded;
 }
 

@@ -27,6 +27,7 @@ struct TimeUse {
 struct PictureError {
   Side eye{};  ///< the one with the lower median of the PSNR
   Spread psnr_db;
+  double flip = 0, ssim = 0;                 ///< medians
   std::optional<Spread> mask_error_percent;  ///< empty in modes that show a picture of the server
 };
 
@@ -34,11 +35,12 @@ struct PictureError {
 struct ByteUse {
   double down_bytes = 0, up_bytes = 0;    ///< a frame
   double down_mbit_s = 0, up_mbit_s = 0;  ///< at the display's rate
-  /// That the path carries down, measured by the server, median. No value: too little was sent to tell.
-  std::optional<double> path_mbit_s;
+  /// Stated by the user, or, down, measured by the server, median. No value: unknown.
+  std::optional<PathRate> path;
+  bool is_stated = false;
   double view_size_percent = 100;  ///< of requested views, median; less if the path is too slow
 
-  /// Also up, as if the path carried as much in that direction. Kept if nothing was measured.
+  /// Also up, where a path of unknown rate carries as much as down. Kept if neither is known.
   [[nodiscard]] Budget budget() const;
 };
 

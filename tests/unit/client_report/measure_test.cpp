@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/metrics/pixels_per_degree.h"
+#include "stereo/metrics/pixels_per_degree.h"
 
 namespace farshade {
 namespace {
@@ -40,6 +40,22 @@ void light_up(ShownReport& report, std::uint32_t x, std::uint32_t plane, std::ui
 
 double sum_of_shares(const EyeErrors& e) {
   return e.newest + e.other_eye + e.older + e.surround + e.neighbours + e.unknown;
+}
+
+TEST(OtherSurface, CountsPixelsThatOneAloneCoversOrThatAreElsewhere) {
+  const Extent size{2, 2};
+  Image<float> drawn(size, 1.0f), traced(size, 1.0f);
+  EXPECT_EQ(other_surface_share(drawn, traced), 0);
+  traced.at(0, 0) = 1.009f;
+  EXPECT_EQ(other_surface_share(drawn, traced), 0) << "rounding, and slopes";
+  traced.at(0, 0) = 1.02f;
+  EXPECT_EQ(other_surface_share(drawn, traced), 0.25);
+  traced.at(1, 0) = 0;
+  EXPECT_EQ(other_surface_share(drawn, traced), 0.5);
+  drawn.at(0, 1) = 0;
+  EXPECT_EQ(other_surface_share(drawn, traced), 0.75);
+  drawn.at(1, 0) = drawn.at(0, 0) = traced.at(0, 0) = traced.at(0, 1) = 0;
+  EXPECT_EQ(other_surface_share(drawn, traced), 0) << "nothing is the same as nothing";
 }
 
 TEST(CompareMasks, EqualMasksHaveNoError) {

@@ -31,6 +31,8 @@ FrameRecord compared(double left_dB, double right_dB, double right_error) {
   (*frame.errors)[0].psnr_db = left_dB;
   (*frame.errors)[1].psnr_db = right_dB;
   (*frame.errors)[1].mask_error = right_error;
+  (*frame.errors)[0].flip = 0.01, (*frame.errors)[0].ssim = 0.9;
+  (*frame.errors)[1].flip = 0.02, (*frame.errors)[1].ssim = 0.8;
   return frame;
 }
 
@@ -168,14 +170,33 @@ TEST(Verdict, TheFirstEstimateOfThePathIsNoMeasurement) {
     frame.server->bytes_per_second = static_cast<std::uint32_t>(RateControl::kStart);
     log.add(frame);
   }
-  EXPECT_FALSE(verdict_of(log, kAt100Hz).bytes->path_mbit_s);
-  EXPECT_NE(words(log).find("; the rate of the path was not measured: the run sent too little\n"),
+  EXPECT_FALSE(verdict_of(log, kAt100Hz).bytes->path);
+  EXPECT_NE(words(log).find("; the rate of the path was not measured: the run sent too little; --path-rate "
+                            "states it\n"),
             std::string::npos)
       << words(log);
   FrameRecord later = log.records().front();
   later.server->bytes_per_second = 2'000'000;
   log.add(later);
-  EXPECT_DOUBLE_EQ(verdict_of(log, kAt100Hz).bytes->path_mbit_s.value(), 16);
+  EXPECT_DOUBLE_EQ(verdict_of(log, kAt100Hz).bytes->path.value().down_mbit_s, 16);
+}
+
+TEST(Verdict, JudgesThePathThatTheUserStates) {
+  const FrameLog log = log_of({1ms, 1ms});  // 4 Mbit/s down and 0.2 up, over a measured path of 10
+  RunTotals totals = kAt100Hz;
+  totals.stated_path = PathRate{.down_mbit_s = 4.5, .up_mbit_s = 0.25};
+  EXPECT_NE(words(log, totals).find("at 100 Hz of 4.5 and 0.25 Mbit/s that --path-rate states: fits\n"),
+            std::string::npos)
+      << words(log, totals);
+  totals.stated_path = PathRate{.down_mbit_s = 4.5, .up_mbit_s = 0.1};
+  EXPECT_NE(words(log, totals).find("of 4.5 and 0.1 Mbit/s that --path-rate states: does not fit\n"),
+            std::string::npos)
+      << words(log, totals);
+  EXPECT_FALSE(verdict_of(log, totals).fits());
+  totals.stated_path = PathRate{.down_mbit_s = 3.5};
+  EXPECT_NE(words(log, totals).find("of 3.5 Mbit/s that --path-rate states: does not fit\n"),
+            std::string::npos)
+      << words(log, totals);
 }
 
 TEST(Verdict, CountsMissedDisplayTimes) {
@@ -192,8 +213,8 @@ TEST(Verdict, StatesThePictureOfTheWorseEye) {
   FrameLog log;
   for (int i = 0; i < 3; ++i) log.add(compared(40, 35, 0.02));
   expect_line(words(log),
-              "picture: PSNR 35.0 dB against a full trace, 35.0 dB in the worst 1 % of frames; mask error "
-              "2.00 %, 2.00 % in the worst 1 % (right eye, the worse one)");
+              "picture: PSNR 35.0 dB against a full trace, 35.0 dB in the worst 1 % of frames; FLIP 0.020, "
+              "SSIM 0.800; mask error 2.00 %, 2.00 % in the worst 1 % (right eye, the worse one)");
 }
 
 TEST(Verdict, PicturesFromInsideOfGeometryAreNotValid) {

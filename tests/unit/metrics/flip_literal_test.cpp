@@ -1,6 +1,6 @@
 /// Compares FLIP with a literal implementation of the paper's equations: double precision, two-dimensional
 /// kernels, direct convolution, the colour matrix computed from the primaries. It shares no code with
-/// tests/metrics.
+/// stereo/metrics.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/metrics/flip.h"
+#include "stereo/metrics/flip.h"
 
 namespace farshade {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/metrics/flip.h"
+#include "stereo/metrics/flip.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tests/metrics/ssim.h"
+#include "stereo/metrics/ssim.h"
 
 #include <gtest/gtest.h>
 

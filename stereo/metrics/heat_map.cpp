@@ -1,4 +1,4 @@
-#include "tests/metrics/heat_map.h"
+#include "stereo/metrics/heat_map.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tests/metrics/separable.h"
+#include "stereo/metrics/separable.h"
 
 #include <algorithm>
 #include <cstddef>

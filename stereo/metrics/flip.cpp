@@ -1,4 +1,4 @@
-#include "tests/metrics/flip.h"
+#include "stereo/metrics/flip.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <numeric>
 
 #include "stereo/base/check.h"
-#include "tests/metrics/separable.h"
+#include "stereo/metrics/separable.h"
 
 namespace farshade {
 namespace {

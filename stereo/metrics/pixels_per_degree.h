@@ -1,4 +1,4 @@
-/// The resolution of a view, a parameter of FLIP (tests/metrics/flip.h).
+/// The resolution of a view, a parameter of FLIP (stereo/metrics/flip.h).
 #pragma once
 
 #include <cmath>
