@@ -38,7 +38,9 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
                                     .bits_per_second = request.answer.bits_per_second,
                                     .frames_per_second = rate,
                                     .slice_bytes = kSlice_bytes});
-  const bool alone = request.answer.coding == Coding::Alone;
+  // Frames between two pictures of a stream may be of other kinds, so numbers can go round meanwhile: a
+  // picture that is not newer than the last one cannot be said to depend on it.
+  const bool alone = request.answer.coding == Coding::Alone || !is_newer(request.frame, stream.last);
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
   const VideoUnitParts parts = video_parts(unit);
   // The next picture depends on this one even if this one is too large to send.

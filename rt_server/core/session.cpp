@@ -207,9 +207,10 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   const bool is_surround = answer == Answer::Surround;
   std::optional<FrameId>& newest = is_surround ? newest_surround_[pair_of(frame)] : newest_;
   if (newest && !is_newer(frame, *newest)) return ReceivedMessage::Outdated;
+  // A request that is refused leaves nothing behind that later ones are compared with.
+  if (const std::optional<ReceivedMessage> why = refuse_request(message.request)) return *why;
   if (!is_surround) update_interval(message.request, now);
   newest = frame;
-  if (const std::optional<ReceivedMessage> why = refuse_request(message.request)) return *why;
   std::optional<Job>& waiting = waiting_for(message.request);
   const bool superseded = waiting.has_value();
   if (superseded) ++superseded_;

@@ -1,5 +1,6 @@
-// A server that offers every kind of answer, a genuine client, and a client that holds another key and does
-// with it what it likes: any bytes sealed for its sessions, requests of every kind with too many parts,
+// A server that offers every kind of answer, with the makers of masks, of planes and of video that it has in
+// earnest, a genuine client, and a client that holds another key and does with it what it likes: any bytes
+// sealed for its sessions, requests of every kind with too many parts and with numbers and times that jump,
 // counters that jump, sessions begun anew, hellos with the public keys of others. The input is a list of
 // steps in virtual time. After each step the jobs that the server made fit their requests, and it has no more
 // sessions than allowed. The genuine client keeps its session, and gets its masks bit for bit with its next
@@ -8,8 +9,10 @@
 
 #include <array>
 
+#include "rt_server/answers/video.h"
 #include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/wire/frame_fields.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
@@ -49,8 +52,27 @@ std::size_t tiles_of(const Job& job) {
   return tiles;
 }
 
-/// Checks the job, and paints masks. Other kinds get a report alone.
-AnswerCost answer(const Job& job, FramePacker& packer) {
+/// A number from the input: small, or anywhere in the 64 bits.
+std::uint64_t any_number(fuzz::Choices& choices) {
+  if (choices.up_to(1) == 0) return choices.up_to(3);
+  const std::uint64_t far = std::uint64_t{1} << choices.up_to(63);
+  return choices.up_to(1) == 0 ? far - 1 - choices.up_to(2) : far + choices.up_to(2);
+}
+
+/// A time within the range of the wire.
+Time any_time(fuzz::Choices& choices) {
+  const std::uint64_t ns = any_number(choices) % (std::uint64_t{kMaxTime_ns} + 1);
+  return time_from_ns(choices.up_to(1) == 0 ? static_cast<std::int64_t>(ns) : -static_cast<std::int64_t>(ns));
+}
+
+PixelPlane plane_of(Extent size, std::uint32_t word_bytes) {
+  PixelPlane plane(size, word_bytes);
+  for (std::size_t i = 0; i < plane.words.size(); ++i) plane.words[i] = static_cast<std::uint32_t>(37 * i);
+  return plane;
+}
+
+/// Checks the job, and makes masks and planes from paint, and video from grey pictures.
+AnswerCost answer(const Job& job, FramePacker& packer, Streams& streams) {
   std::size_t most = 0;
   for (const View& view : job.request.views) {
     check(view.size.pixels() <= served_everything().most_pixels, "no view is larger than allowed");
@@ -60,7 +82,20 @@ AnswerCost answer(const Job& job, FramePacker& packer) {
         "pictures have one size");
   check(tiles_of(job) <= 3 * most, "no more tiles than the views have");
   check(job.parts.size() <= job.request.answer.slices, "no more parts than announced");
-  if (job.request.answer.kind != Answer::Masks) return {};
+  const Answer kind = job.request.answer.kind;
+  const Extent size = job.request.views[0].size;
+  if (is_video(kind)) {
+    const Image<Rgb8> grey(size, Rgb8(static_cast<std::uint8_t>(job.request.frame.value)));
+    return {.coding = has_video() ? streams.code(job, {grey, grey}, packer) : Duration{}};
+  }
+  if (kind == Answer::GBuffer) {
+    GBufferPlanes planes;
+    planes.base_color.fill(plane_of(size, 3));
+    planes.normal.fill(plane_of(size, 4));
+    planes.depth.fill(plane_of(size, 4));
+    packer.add(job.request.frame, planes);
+  }
+  if (kind != Answer::Masks) return {};
   ShadowFrame frame;
   AnswerCost cost{.traced = fuzz::paint(job.request, frame)};
   if (frame.masks[0].size() == Extent{18, 10}) packer.add(frame);
@@ -86,8 +121,15 @@ class Conversation {
   VirtualLink wire_{clock_, {}, kPlaces};
   std::vector<Bytes> recorded_;
   const std::vector<SharedKey> ring_{fuzz::key_named("good"), fuzz::key_named("evil")};
-  ServerCore core_{served_everything(), ring_,  answers_from(kEveryAnswer, answer),
-                   wire_.server(),      clock_, {.sessions = kMostSessions, .handshakes_per_second = 1e6}};
+  Streams streams_{kMemory_bytes};
+  ServerCore core_{
+      served_everything(),
+      ring_,
+      answers_from(kEveryAnswer,
+                   [this](const Job& job, FramePacker& packer) { return answer(job, packer, streams_); }),
+      wire_.server(),
+      clock_,
+      {.sessions = kMostSessions, .handshakes_per_second = 1e6}};
   std::optional<fuzz::GenuineClient> good_;
   std::array<std::optional<link_test::PortClient>, kPlaces> evil_;
   std::array<std::uint64_t, kPlaces> counter_{};
@@ -123,21 +165,25 @@ void Conversation::say_sealed(std::uint32_t place, std::span<const std::byte> me
 Bytes Conversation::request(std::uint32_t place, fuzz::Choices& choices) {
   RequestMessage message;
   FrameRequest& request = message.request;
-  request = fuzz::request(last_.frame.value + choices.up_to(3));
+  request = fuzz::request(last_.frame.value + static_cast<std::uint32_t>(any_number(choices)));
+  if (choices.up_to(3) == 0) request.display_time = any_time(choices);
+  if (choices.up_to(3) == 0) request.scene_time = any_time(choices);
   request.answer.kind = static_cast<Answer>(choices.up_to(kAnswers - 1));
   const Extent size{1 + choices.up_to(70), 1 + choices.up_to(70)};
   for (View& view : request.views) view.size = size;
   if (choices.up_to(3) == 0) request.views[1].size = {18, 10};
   if (is_video(request.answer.kind)) {
-    request.answer.bits_per_second = kLeastVideo_bits;
+    request.answer.bits_per_second = kLeastVideo_bits + choices.up_to(1) * 1000;
     request.answer.interval = 10ms;
+    request.answer.coding = choices.up_to(3) == 0 ? Coding::Alone : Coding::AfterLast;
   }
   const bool positions = request.answer.kind == Answer::MasksOfPositions;
   if (positions) request.answer.position_bits = kLeastPosition_bits;
   if (positions || request.answer.kind == Answer::Masks) request.answer.slices = choices.up_to(65535);
   if (request.answer.kind == Answer::Surround) request.frame.value += kFirstSurroundFrame.value;
-  message.probe_echo = choices.up_to(1) == 0 ? evil(place).probe : choices.up_to(255);
-  message.arrivals.first = choices.up_to(1000);
+  message.probe_echo = choices.up_to(1) == 0 ? evil(place).probe : any_number(choices);
+  message.arrivals.first = any_number(choices) / 2;
+  if (choices.up_to(3) == 0) message.arrivals.base = any_time(choices);
   message.arrivals.count = choices.up_to(ArrivalReport::kMost);
   last_ = request;
   Bytes bytes;

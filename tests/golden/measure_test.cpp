@@ -1,7 +1,7 @@
 /// A measured frame tells whether its picture is the reference's, and whether rasteriser and tracer see the
 /// same surfaces.
-#include "tests/golden/test_rig.h"
 #include "vr_client/report/measure.h"
+#include "tests/golden/test_rig.h"
 #include "vr_client/report/reference_pictures.h"
 
 namespace farshade {

@@ -217,6 +217,37 @@ TEST(Sessions, RequestsForMorePixelsThanAllowedAreCountedAndNotTraced) {
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
 }
 
+/// Otherwise whoever has a key moves the numbers of frames around as it likes, without work for the server.
+TEST(Sessions, RefusedRequestsDoNotMakeLaterOnesOutdated) {
+  Welcome small = kServed;
+  small.most_pixels = kSize.width * kSize.height;
+  Sessions sessions(small, kRing);
+  House house;
+  house.sessions = std::move(sessions);
+  LinkClient client = house.join(1);
+  const auto refused = [&](std::uint32_t frame, bool too_large) {
+    FrameRequest request = request_of(frame, kSize);
+    if (too_large)
+      request.views[1].size.height += 1;
+    else
+      request.answer.kind = Answer::GBuffer;
+    house.talk(client, 1, client.seal({.request = request}));
+  };
+  house.ask(client, 1, 0);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{0});
+  for (const bool too_large : {true, false}) {
+    refused(0x7fffffff, too_large);
+    refused(0xfffffffe, too_large);
+  }
+  EXPECT_EQ(house.sessions.counters().too_large, 1u);
+  EXPECT_EQ(house.sessions.counters().unanswered, 1u);
+  EXPECT_EQ(house.sessions.counters().outdated, 2u);
+  house.ask(client, 1, 0xffffffff);
+  EXPECT_FALSE(house.sessions.job_at().has_value()) << "older than the first";
+  house.ask(client, 1, 1);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+}
+
 TEST(Sessions, ClientsWithMoreWorkHaveFewerTurns) {
   House house;
   std::vector<LinkClient> clients;
