@@ -8,6 +8,7 @@
 
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
+#include "rt_server/core/server_log.h"
 #include "rt_server/fetch/scene_sender.h"
 #include "stereo/announce/announcer.h"
 #include "stereo/base/files.h"
@@ -24,7 +25,7 @@ std::filesystem::path ring_path(const ServeOptions& options) {
   return options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
 }
 
-Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
+Expected<std::vector<SharedKey>> read_keys(const ServeOptions& options) {
   if (options.insecure) return std::vector{insecure_key()};
   const std::filesystem::path path = ring_path(options);
   Expected<std::vector<SharedKey>> ring = load_key_ring(path);
@@ -34,11 +35,18 @@ Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
         "no keys at " + path.string() +
             ": bring the key of a client with rt_server pair, make one with rt_server keygen NAME, or name "
             "another ring with --keys");
-  if (ring && ring->empty())
-    return fail(
-        Fault::Missing,
-        path.string() +
-            " contains no key: bring one with rt_server pair, or make one with rt_server keygen NAME");
+  return ring;
+}
+
+std::string no_key_in(const ServeOptions& options) {
+  return ring_path(options).string() +
+         " contains no key: bring one with rt_server pair, or make one with rt_server keygen NAME";
+}
+
+/// At least one.
+Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
+  Expected<std::vector<SharedKey>> ring = read_keys(options);
+  if (ring && ring->empty()) return fail(Fault::Missing, no_key_in(options));
   return ring;
 }
 
@@ -78,15 +86,15 @@ Expected<void> write_ready_file(const ServeOptions& options, const std::string& 
 Expected<void> tell_addresses(const ServeOptions& options, std::span<const Peer> addresses) {
   std::string listening;
   for (const Peer& address : addresses) {
-    fmt::print("rt_server: listening on {}\n", to_string(address));
+    say(fmt::format("rt_server: listening on {}", to_string(address)));
     listening += fmt::format("{} {}\n", kReadyListening, to_string(address));
   }
-  std::fflush(stdout);
   return write_ready_file(options, listening);
 }
 
-/// A script that waits for the ready file must not read the one of an earlier server.
-Expected<void> remove_old_ready_file(const ServeOptions& options) {
+/// A script that waits for the ready file must not read the one of an earlier server, or of one that has
+/// ended.
+Expected<void> remove_ready_file(const ServeOptions& options) {
   std::error_code failed;
   if (!options.ready_file.empty()) std::filesystem::remove(options.ready_file, failed);
   if (failed) return fail(Fault::Unreadable, options.ready_file + " cannot be removed: " + failed.message());
@@ -99,15 +107,15 @@ Expected<void> end_without_shadows(const ServeOptions& options) {
                              " has no light that casts shadows: there is nothing to serve, clients shade it "
                              "without a server (--plan prints details)";
   if (options.ready_file.empty()) return fail(Fault::Unsupported, reason);
-  fmt::print("rt_server: {}\n", reason);
+  say("rt_server: " + reason);
   return write_ready_file(options, std::string(kReadyNoShadows) + "\n");
 }
 
 void print_keys(const ServeOptions& options, std::size_t keys) {
   if (options.insecure)
-    fmt::print("rt_server: insecure: any client on this machine may connect, nothing is encrypted\n");
+    say("rt_server: insecure: any client on this machine may connect, nothing is encrypted");
   else
-    fmt::print("rt_server: the key ring contains {} {}\n", keys, keys == 1 ? "key" : "keys");
+    say(fmt::format("rt_server: the key ring contains {} {}", keys, keys == 1 ? "key" : "keys"));
 }
 
 /// Masks are sent if a request was answered in this time.
@@ -156,38 +164,55 @@ class KeysInUse {
     use();
   }
 
-  /// Reads the key ring again. If it cannot be read, the old keys stay.
+  /// Reads the key ring again. While it cannot be read, nobody new is admitted, because the key of whoever
+  /// comes may have been taken out of it.
   void reload(const ServeOptions& options) {
-    Expected<std::vector<SharedKey>> ring = load_keys(options);
-    if (!ring) {
-      spdlog::error("the old keys stay: {}", ring.error().what);
-      return;
-    }
-    ring_ = *std::move(ring);
+    Expected<std::vector<SharedKey>> ring = read_keys(options);
+    is_read_ = ring.has_value();
+    if (ring) ring_ = *std::move(ring);
     use();
-    spdlog::info("the key ring was read again: {} {}", ring_.size(), ring_.size() == 1 ? "key" : "keys");
+    if (!is_read_)
+      complain("nobody new is admitted, because the key ring cannot be read: " + ring.error().what);
+    else if (ring_.empty())
+      complain(no_key_in(options));
+    else
+      spdlog::info("the key ring was read again: {} {}", ring_.size(), ring_.size() == 1 ? "key" : "keys");
   }
 
-  /// Keys expire at the end of a day.
-  void look_at_the_calendar() {
+  /// Keys expire at the end of a day. A ring that could not be read is tried again.
+  void look_again(const ServeOptions& options) {
     if (today() != day_) use();
+    if (!is_read_ || ring_.empty()) reload(options);
   }
 
  private:
   void use() {
     day_ = today();
     core_.set_ring(ring_, day_);
+    core_.admit(is_read_ ? Newcomers::Admitted : Newcomers::Ignored);
     if (sender_ == nullptr) return;
     std::vector<SharedKey> valid;
     for (const SharedKey& key : ring_)
       if (is_valid_on(key, day_)) valid.push_back(key);
-    sender_->set_ring(valid);
+    sender_->set_ring(is_read_ ? valid : std::vector<SharedKey>{});
   }
 
+  void complain(const std::string& what) {
+    const SteadyClock clock;
+    if (what == complaint_ && clock.now() < complained_ + kComplaints) return;
+    spdlog::error(what);
+    complaint_ = what;
+    complained_ = clock.now();
+  }
+
+  static constexpr Duration kComplaints = std::chrono::minutes(1);
   std::vector<SharedKey> ring_;
   ServerCore& core_;
   SceneSender* sender_;
   std::chrono::sys_days day_{};
+  bool is_read_ = true;
+  std::string complaint_;
+  Time complained_{};
 };
 
 /// Tells when a file has changed: once per change, when it has not changed further between two looks. So a
@@ -210,15 +235,11 @@ class FileWatch {
   std::int64_t seen_, last_ = 0;
 };
 
-/// Does not fail if nobody reads the output any more, for example because the terminal was closed.
 void print_counters(const ServerCore& core, const SceneSender* sender) {
   const ServerCounters counters = core.counters();
-  std::string text = counters_line(counters) + "\n";
-  if (counters.traced.primary_rays > 0) text += rays_line(counters.traced) + "\n";
-  if (sender != nullptr && sender->counters() != SenderCounters{})
-    text += counters_line(sender->counters()) + "\n";
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
+  say(counters_line(counters));
+  if (counters.traced.primary_rays > 0) say(rays_line(counters.traced));
+  if (sender != nullptr && sender->counters() != SenderCounters{}) say(counters_line(sender->counters()));
 }
 
 Expected<void> print_plan(const Scene& scene, const ScenePlan& plan) {
@@ -234,7 +255,7 @@ Welcome welcome_of(const ServeOptions& options, const Scene& scene, const SceneP
   if (options.lighting.exposure) return welcome;
   welcome.exposure = chosen_exposure(scene);
   if (const std::string words = in_words(welcome.exposure, scene.name); !words.empty())
-    fmt::print("rt_server: {}\n", words);
+    say("rt_server: " + words);
   return welcome;
 }
 
@@ -243,11 +264,12 @@ Welcome welcome_of(const ServeOptions& options, const Scene& scene, const SceneP
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   const SteadyClock clock;
   Stages stages(clock);
-  if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
+  std::optional<StopSignal::EndsAtOnce> starting(stop);
+  if (Expected<void> removed = remove_ready_file(options); !removed) return removed;
   Expected<LitScene> loaded =
       load_lit_scene(options.scene, options.lighting, options.scene_fetch ? ListFiles::Yes : ListFiles::No);
   if (!loaded) return tl::unexpected(loaded.error());
-  for (const std::string& note : loaded->notes) fmt::print("rt_server: {}\n", note);
+  for (const std::string& note : loaded->notes) say("rt_server: " + note);
   const auto [scene, plan] =
       plan_scene(std::move(loaded->scene), {.kind = options.plan.kind, .surround = false});
   if (options.plan.prints_only) return print_plan(scene, plan);
@@ -271,14 +293,15 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                                 .exposure = served.exposure,
                                 .memory = options.limits.memory}),
                   *server->port, clock, options.limits);
-  fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
-             plan.trace.mask.lights, short_form(scene.hash));
-  fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));
+  say(fmt::format("rt_server: serving {}, {} triangles, {} lights, scene {}", scene.name,
+                  scene.triangle_count, plan.trace.mask.lights, short_form(scene.hash)));
+  say(fmt::format("rt_server: the tracer holds {}", in_words(tracer->memory())));
   print_keys(options, ring->size());
   const auto sender = offer_scene(options, server->addresses,
                                   {options.scene, scene.files, options.lighting, served, *ring}, core);
   stages.end("answers");
-  fmt::print("rt_server: ready after {}\n", stages.in_words());
+  say(fmt::format("rt_server: ready after {}", stages.in_words()));
+  starting.reset();  // from here on, the end has something to clean up
   // The port is open: what clients send from here on waits in its sockets.
   if (Expected<void> told = tell_addresses(options, server->addresses); !told) return told;
   KeysInUse keys(*ring, core, sender.get());
@@ -291,13 +314,13 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
     };
     stop.wait([&] { print_counters(core, sender.get()); }, reload,
               [&] {
-                keys.look_at_the_calendar();
+                keys.look_again(options);
                 if (!options.insecure && ring_file.has_changed()) reload();
               });
   }
   core.say_goodbye();
   print_counters(core, sender.get());
-  return {};
+  return remove_ready_file(options);
 }
 
 }  // namespace farshade

@@ -5,11 +5,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <memory>
+#include <csignal>
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
 #include "rt_server/core/log_sink.h"
+#include "rt_server/core/server_log.h"
 #include "stereo/about/about.h"
 #include "stereo/base/command_line.h"
 #include "stereo/base/completion.h"
@@ -139,8 +140,7 @@ int main(int argc, char** argv) try {
   }
   if (app.got_subcommand("doctor")) return report(examine(doctor));
   StopSignal stop(StopSignal::Hangup::IsARequest);
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("rt_server", std::make_shared<LogSink>(STDERR_FILENO)));
+  const ServerLog log;
   Expected<void> done;
   const auto print = [](const std::string& text) { fmt::print("{}", text); };
   if (app.got_subcommand("keygen")) {
@@ -148,12 +148,14 @@ int main(int argc, char** argv) try {
   } else if (app.got_subcommand("pair")) {
     done = pair_client(paired, stop);
   } else if (app.got_subcommand("inspect")) {
+    const StopSignal::EndsAtOnce working(stop);
     done = inspect(inspected).map(print);
   } else {
+    std::signal(SIGPIPE, SIG_IGN);  // whoever read the output has ended, and the clients have not
     done = serve(serving, stop);
   }
   if (done) return EXIT_SUCCESS;
-  std::fprintf(stderr, "rt_server: %s\n", done.error().what.c_str());
+  write_now(STDERR_FILENO, "rt_server: " + done.error().what + "\n");
   return EXIT_FAILURE;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "rt_server: %s\n", error.what());

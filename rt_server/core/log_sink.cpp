@@ -17,11 +17,11 @@ bool takes_now(int file) {
   return poll(&ready, 1, 0) == 1 && (ready.revents & POLLOUT) != 0;
 }
 
+}  // namespace
+
 bool write_now(int file, const std::string& text) {
   return takes_now(file) && write(file, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF)) > 0;
 }
-
-}  // namespace
 
 void LogSink::sink_it_(const spdlog::details::log_msg& message) {
   if (dropped_ > 0 &&

@@ -7,8 +7,12 @@
 
 #include <cstdint>
 #include <mutex>
+#include <string>
 
 namespace farshade {
+
+/// Writes `text`, or its first PIPE_BUF bytes, if the file takes it without waiting.
+bool write_now(int file, const std::string& text);
 
 class LogSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:

@@ -83,7 +83,8 @@ std::string counters_line(const ServerCounters& counters) {
                                 {sessions.scene_mismatch, "of another scene"},
                                 {sessions.busy, "because the server was full"},
                                 {sessions.key_full, "because their key had all its sessions"},
-                                {gate.too_many, "over the handshake limit"}}) +
+                                {gate.too_many, "over the handshake limit"},
+                                {sessions.ignored, "while the key ring could not be read"}}) +
          group("sessions", {{counters.sessions_open, "open"},
                             {sessions.left, "ended by their clients"},
                             {sessions.forgotten, "timed out"},
@@ -160,6 +161,11 @@ void ServerCore::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_d
     sessions_.set_ring(ring, today);
   }
   wake();
+}
+
+void ServerCore::admit(Newcomers newcomers) {
+  const std::lock_guard lock(mutex_);
+  sessions_.admit(newcomers);
 }
 
 void ServerCore::say_goodbye() {

@@ -54,6 +54,9 @@ class ServerCore {
   /// From now on serves only clients with these keys, if they are valid on `today`; any thread may call it.
   void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today = {});
 
+  /// Whether clients without a session are admitted; any thread may call it.
+  void admit(Newcomers newcomers);
+
   /// Tells all clients that the server ends. Only when no other thread uses the core any more.
   void say_goodbye();
 

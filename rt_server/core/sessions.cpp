@@ -83,6 +83,10 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
     answer = spent->answer;
     return;
   }
+  if (newcomers_ == Newcomers::Ignored) {
+    ++counters_.ignored;
+    return;
+  }
   KeyAccount& account = ledger_.of(hello.key);
   if (!gate_.may_shake_hands(account.handshakes, now)) {
     events_.push_back({ClientEvent::Kind::TooManyHandshakes, key->name, from, {}, hello.key});

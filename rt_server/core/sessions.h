@@ -55,12 +55,19 @@ struct SessionCounters {
   std::uint64_t over_memory = 0;  ///< sessions, parts and answers refused for the limit of memory
   std::uint64_t too_costly = 0;   ///< answered without content, because the answer would take too long
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
+  std::uint64_t ignored = 0;                   ///< hellos with a valid key while nobody new is admitted
   std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
   std::uint64_t widened = 0;                   ///< times that a path was found to carry larger datagrams
   std::uint64_t black_holes = 0;               ///< paths that stopped to carry large datagrams
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
+};
+
+/// What happens to clients that have a key but no session.
+enum class Newcomers : std::uint8_t {
+  Admitted,
+  Ignored,  ///< their hellos are not answered: it is not known who may be admitted
 };
 
 class Sessions {
@@ -92,6 +99,8 @@ class Sessions {
   /// From now on serves only clients with these keys, if they are valid on `today`. The sessions of other
   /// keys end.
   void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today = {});
+
+  void admit(Newcomers newcomers) { newcomers_ = newcomers; }
 
   /// Queues the news for all clients that the server ends.
   void say_goodbye();
@@ -167,6 +176,7 @@ class Sessions {
   // What a stranger's datagram needs, so that its cost does not grow with the number of sessions.
   std::unordered_map<std::uint64_t, std::size_t> place_of_;  ///< in sessions_, by SessionId
   std::optional<Time> silent_at_;
+  Newcomers newcomers_ = Newcomers::Admitted;
   mutable std::optional<std::optional<Time>> due_at_;  ///< no value: to be found anew
   bool was_opened_ = false;
   std::uint64_t jobs_ = 0;

@@ -62,6 +62,8 @@ SenderCounters SceneSender::counters() const {
 void SceneSender::set_ring(const std::vector<SharedKey>& ring) {
   const std::lock_guard lock(mutex_);
   ring_ = by_id(ring);
+  for (Connection& connection : connections_)
+    if (connection.key && !ring_.contains(*connection.key)) connection.ended = true;
 }
 
 Waiting SceneSender::within(const Connection& connection, Duration span) {
@@ -133,6 +135,7 @@ bool SceneSender::start(TcpStream stream) {
 bool SceneSender::promote(Connection& connection, const SharedKey& key) {
   const KeyId id = id_of(key);
   const std::lock_guard lock(mutex_);
+  if (!ring_.contains(id)) return false;  // it was taken out of the ring meanwhile
   std::size_t all = 0, of_key = 0;
   for (const Connection& other : connections_) {
     if (!other.key || other.done) continue;

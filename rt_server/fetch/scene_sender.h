@@ -59,7 +59,7 @@ class SceneSender {
 
   [[nodiscard]] SenderCounters counters() const;
 
-  /// From now on sends only to clients with these keys. Connections that other keys have opened stay.
+  /// From now on sends only to clients with these keys. Connections of other keys end.
   void set_ring(const std::vector<SharedKey>& ring);
 
  private:

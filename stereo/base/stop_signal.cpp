@@ -1,10 +1,26 @@
 #include "stereo/base/stop_signal.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <ctime>
 
 #include "stereo/base/check.h"
+#include "stereo/base/clock.h"
 
 namespace farshade {
+namespace {
+
+constexpr Duration kLook = std::chrono::seconds(1);
+
+}  // namespace
+
+StopSignal::EndsAtOnce::EndsAtOnce(StopSignal& stop)
+    : waits_([&stop](const std::stop_token& over) {
+        constexpr timespec kStep{.tv_sec = 0, .tv_nsec = 20'000'000};
+        while (!over.stop_requested())
+          if (sigtimedwait(&stop.signals_, nullptr, &kStep) > 0) std::_Exit(EXIT_SUCCESS);
+      }) {}
+
 StopSignal::StopSignal(Hangup hangup) {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
@@ -26,14 +42,21 @@ StopSignal::~StopSignal() {
 
 void StopSignal::wait(const std::function<void()>& report, const std::function<void()>& reload,
                       const std::function<void()>& look) {
-  constexpr timespec kSecond{.tv_sec = 1, .tv_nsec = 0};
+  const SteadyClock clock;
   sigset_t all;
   sigorset(&all, &signals_, &requests_);
-  while (came_ == 0) {
-    const int signal = sigtimedwait(&all, nullptr, &kSecond);
-    if (signal < 0)
+  // Requests come before SIGTERM, whose number is higher, so it is asked for alone, too.
+  for (Time next_look = clock.now() + kLook; !has_come();) {
+    const Duration left = std::max(next_look - clock.now(), Duration::zero());
+    const timespec wait{.tv_sec = left / std::chrono::seconds(1),
+                        .tv_nsec = (left % std::chrono::seconds(1)).count()};
+    const int signal = sigtimedwait(&all, nullptr, &wait);
+    if (clock.now() >= next_look) {  // also if signals come more often
       look();
-    else if (signal == SIGUSR1)
+      next_look = clock.now() + kLook;
+    }
+    if (signal < 0) continue;
+    if (signal == SIGUSR1)
       report();
     else if (signal == SIGHUP)
       reload();

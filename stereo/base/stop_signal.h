@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdint>
 #include <functional>
+#include <thread>
 
 namespace farshade {
 
@@ -22,8 +23,18 @@ class StopSignal {
   /// From here on, SIGINT and SIGTERM do in this thread what they did before.
   ~StopSignal();
 
+  /// While it lives, SIGINT and SIGTERM end the process at once, with status 0: for long work that nobody
+  /// polls and that leaves nothing behind. The other functions must not be called meanwhile.
+  class EndsAtOnce {
+   public:
+    explicit EndsAtOnce(StopSignal& stop);
+
+   private:
+    std::jthread waits_;
+  };
+
   /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1, `reload` for each SIGHUP
-  /// that is a request, and `look` after each second without a signal.
+  /// that is a request, and `look` once a second.
   void wait(
       const std::function<void()>& report = [] {}, const std::function<void()>& reload = [] {},
       const std::function<void()>& look = [] {});

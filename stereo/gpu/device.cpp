@@ -327,13 +327,23 @@ void abandon(const Device& device) {
   silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
 }
 
+/// Waits in steps: a program that was stopped for longer than the timeout (Ctrl-Z) finds that one of them is
+/// over.
+bool finishes(const Device& device, const vk::raii::Fence& fence) {
+  constexpr std::uint64_t kSteps = 10;
+  for (std::uint64_t step = 0; step < kSteps; ++step)
+    if (device.logical.waitForFences(*fence, true, device.timeout_ns / kSteps) == vk::Result::eSuccess)
+      return true;
+  return false;
+}
+
 /// Any failure is reported as a lost device: the device must then be opened again.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence) {
   const vk::CommandBuffer handle = *commands;
   try {
     device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
-    if (device.logical.waitForFences(*fence, true, device.timeout_ns) != vk::Result::eSuccess) {
+    if (!finishes(device, fence)) {
       abandon(device);
       throw vk::DeviceLostError("vkWaitForFences: the device did not finish in time and was abandoned");
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <glm/common.hpp>  // color_space.hpp lacks it
 #include <glm/gtc/color_space.hpp>
 
 #include "stereo/base/check.h"

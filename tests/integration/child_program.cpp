@@ -50,14 +50,23 @@ ChildProgram::~ChildProgram() {
     send(SIGKILL);
     wait();
   }
-  close(output_.end);
-  close(errors_.end);
+  for (const int end : {output_.end, errors_.end})
+    if (end >= 0) close(end);
 }
 
 std::optional<std::string> ChildProgram::error_line_with(const std::string& words) {
   while (auto line = error_line_after(""))
     if (line->find(words) != line->npos) return line;
   return std::nullopt;
+}
+
+void ChildProgram::stop_reading() const {
+  for (const int end : {output_.end, errors_.end})
+    check(fcntl(end, F_SETPIPE_SZ, 1) > 0, "a pipe that is almost empty can be made smaller");
+}
+
+void ChildProgram::close_pipes() {
+  for (Stream* stream : {&output_, &errors_}) close(std::exchange(stream->end, -1));
 }
 
 void ChildProgram::stop() const {

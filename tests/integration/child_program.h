@@ -39,6 +39,11 @@ class ChildProgram {
     kill(pid_, signal);
   }
 
+  /// From now on nobody reads what it writes: its pipes are as small as pipes can be.
+  void stop_reading() const;
+  /// From now on whatever it writes fails. No output can be asked for any more.
+  void close_pipes();
+
   /// Stops the program and waits until it stands still. SIGCONT lets it go on.
   void stop() const;
 

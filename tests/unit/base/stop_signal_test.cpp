@@ -1,6 +1,10 @@
 #include "stereo/base/stop_signal.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
 
 namespace farshade {
 namespace {
@@ -45,6 +49,38 @@ TEST_P(StopSignalTest, AReportRequestEndsNothing) {
   stop.wait([&] { raise(++told < 3 ? SIGUSR1 : GetParam()); });
   EXPECT_EQ(told, 3);
   EXPECT_TRUE(stop.has_come());
+}
+
+TEST_P(StopSignalTest, EndsWorkThatNobodyPolls) {
+  EXPECT_EXIT(
+      {
+        StopSignal stop;
+        const StopSignal::EndsAtOnce working(stop);
+        kill(getpid(), GetParam());
+        std::this_thread::sleep_for(std::chrono::seconds(200));
+      },
+      testing::ExitedWithCode(0), "");
+}
+
+TEST_P(StopSignalTest, ComesToTheProgramAgainAfterSuchWork) {
+  StopSignal stop;
+  { const StopSignal::EndsAtOnce working(stop); }
+  raise(GetParam());
+  EXPECT_TRUE(stop.has_come());
+}
+
+TEST_P(StopSignalTest, RequestsDoNotKeepItFromLooking) {
+  StopSignal stop;
+  int reports = 0;
+  raise(SIGUSR1);
+  stop.wait(
+      [&] {
+        ++reports;
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        raise(SIGUSR1);
+      },
+      [] {}, [&] { raise(GetParam()); });
+  EXPECT_GT(reports, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, StopSignalTest, testing::Values(SIGINT, SIGTERM));

@@ -56,6 +56,16 @@ TEST_F(Log, APipeThatNobodyReadsHoldsNobodyUp) {
   alarm(0);
 }
 
+/// A pipe that takes anything takes PIPE_BUF bytes, and a write of more waits.
+TEST_F(Log, ALineThatIsLongerThanTheRoomInThePipeIsCutOff) {
+  ASSERT_GT(fcntl(ends_[1], F_SETPIPE_SZ, 8192), 0);
+  spdlog::logger log("server", std::make_shared<LogSink>(ends_[1]));
+  alarm(200);
+  log.info(std::string(100'000, 'x'));
+  EXPECT_EQ(read_all().size(), 4096u);
+  alarm(0);
+}
+
 TEST_F(Log, AClosedFileIsNoFault) {
   spdlog::logger log("server", std::make_shared<LogSink>(-1));
   log.info("nobody hears this");
