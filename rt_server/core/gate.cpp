@@ -8,16 +8,20 @@
 namespace farshade {
 
 Gate::Gate(const std::vector<SharedKey>& ring, double handshakes_per_second)
-    : handshakes_(handshakes_per_second) {
+    : handshakes_per_second_(handshakes_per_second), shared_handshakes_(handshakes_per_second) {
   check(sodium_init() >= 0, "libsodium can be initialised");
   set_ring(ring, {});
   randombytes_buf(cookie_key_.data(), cookie_key_.size());
 }
 
 void Gate::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today) {
+  const bool was_alone = ring_.size() <= 1;
   ring_.clear();
   expired_.clear();
   for (const SharedKey& key : ring) (is_valid_on(key, today) ? ring_ : expired_).emplace(id_of(key), key);
+  const bool is_alone = ring_.size() <= 1;
+  if (is_alone != was_alone)
+    shared_handshakes_ = TokenBucket(is_alone ? handshakes_per_second_ : 0.5 * handshakes_per_second_);
 }
 
 Cookie Gate::cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const {
@@ -66,13 +70,14 @@ void Gate::refuse_version(const ForeignHello& hello, std::vector<std::byte>& ans
   encode(OpenRefusal{.reason = RefusalReason::VersionMismatch, .echo = hello.echo}, answer);
 }
 
-bool Gate::may_shake_hands(TokenBucket& key, Time now) {
-  if (!key.has_token(now) || !handshakes_.has_token(now)) {
+bool Gate::may_shake_hands(KeyHandshakes& key, Time now) {
+  const bool has_own = key.own.has_token(now);
+  if (!key.all.has_token(now) || !(has_own || shared_handshakes_.has_token(now))) {
     ++counters_.too_many;
     return false;
   }
-  key.take();
-  handshakes_.take();
+  key.all.take();
+  (has_own ? key.own : shared_handshakes_).take();
   return true;
 }
 

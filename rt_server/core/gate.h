@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "rt_server/core/token_bucket.h"
+#include "rt_server/core/key_ledger.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/timing.h"
@@ -43,9 +43,9 @@ class Gate {
   /// `answer` becomes a refusal that names our protocol version.
   void refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer);
 
-  /// Whether a client with a valid hello may have its handshake now. Takes a token of all clients and one of
-  /// `key`, its key's, if so. A key that has used its own tokens takes none of the others'.
-  [[nodiscard]] bool may_shake_hands(TokenBucket& key, Time now);
+  /// Whether a client with a valid hello may have its handshake now. If so, takes one of those of `key`, its
+  /// key, and one of those that all keys share if it has none of its own left.
+  [[nodiscard]] bool may_shake_hands(KeyHandshakes& key, Time now);
 
   [[nodiscard]] const GateCounters& counters() const { return counters_; }
 
@@ -54,7 +54,8 @@ class Gate {
 
   KeyRing ring_, expired_;
   std::array<std::uint8_t, 16> cookie_key_{};  ///< new in each process: cookies of an earlier one are invalid
-  TokenBucket handshakes_;
+  double handshakes_per_second_;
+  TokenBucket shared_handshakes_;
   GateCounters counters_;
 };
 

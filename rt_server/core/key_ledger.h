@@ -13,38 +13,60 @@
 
 namespace farshade {
 
+/// The handshakes that a key may begin. Half of those of the server are divided among the keys, so that other
+/// keys, however many work together, cannot take them; the other half goes to whoever comes first, but a key
+/// of several has at most half of all.
+struct KeyHandshakes {
+  KeyHandshakes(double per_second, std::size_t keys)
+      : own(keys > 1 ? 0.5 * per_second / static_cast<double>(keys) : per_second),
+        all(keys > 1 ? 0.5 * per_second : per_second) {}
+  TokenBucket own, all;
+};
+
 struct KeyAccount {
-  explicit KeyAccount(double handshakes_per_second) : handshakes(handshakes_per_second) {}
+  KeyAccount(double handshakes_per_second, std::size_t keys) : handshakes(handshakes_per_second, keys) {}
 
   /// Time of the worker. A key that had nothing to do starts again at the value of the others.
   Duration work{};
   std::uint64_t served = 0;      ///< number of jobs of all clients when this key was last served
   std::uint64_t sent_bytes = 0;  ///< sealed datagrams of its answers, counted like `work`
   Duration session_work{};       ///< ClientSession::Turn::work of its session that was served last
-  TokenBucket handshakes;
+  KeyHandshakes handshakes;
   std::size_t held_bytes = 0;  ///< memory of its sessions
   JobCosts costs;
 };
+
+/// The part of `held` that is more than `guaranteed`.
+[[nodiscard]] constexpr std::size_t beyond(std::size_t held, std::size_t guaranteed) {
+  return held - std::min(held, guaranteed);
+}
 
 class KeyLedger {
  public:
   explicit KeyLedger(double handshakes_per_second) : handshakes_per_second_(handshakes_per_second) {}
 
-  /// The accounts of keys that are not in `ring` end. One key of several has at most half of the handshakes.
+  /// The accounts of keys that are not in `ring` end.
   void keep(const KeyRing& ring) {
     std::erase_if(accounts_, [&](const auto& entry) { return !ring.contains(entry.first); });
-    const double share = ring.size() > 1 ? 0.5 : 1;
-    if (share == std::exchange(share_, share)) return;
-    for (auto& [key, account] : accounts_) account.handshakes = TokenBucket(share * handshakes_per_second_);
+    if (ring.size() == std::exchange(keys_, ring.size())) return;
+    for (auto& [key, account] : accounts_) account.handshakes = {handshakes_per_second_, keys_};
+  }
+
+  /// The sum of what keys hold beyond `guaranteed` each.
+  [[nodiscard]] std::size_t held_beyond(std::size_t guaranteed) const {
+    std::size_t sum = 0;
+    for (const auto& [key, account] : accounts_) sum += beyond(account.held_bytes, guaranteed);
+    return sum;
   }
 
   /// The account of a key of the ring; a new one begins with nothing used.
   [[nodiscard]] KeyAccount& of(const KeyId& key) {
-    return accounts_.try_emplace(key, share_ * handshakes_per_second_).first->second;
+    return accounts_.try_emplace(key, handshakes_per_second_, keys_).first->second;
   }
 
  private:
-  double handshakes_per_second_, share_ = 1;
+  double handshakes_per_second_;
+  std::size_t keys_ = 1;
   std::map<KeyId, KeyAccount> accounts_;
 };
 

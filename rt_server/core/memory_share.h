@@ -1,6 +1,8 @@
 /// MemoryShare: how much memory clients may make the server hold. Half of the limit is for what waits: the
-/// sessions, the parts of requests and the datagrams of answers. One key of several has at most half of that.
-/// The other half is for the answer in the making, of which there is one.
+/// sessions, the parts of requests and the datagrams of answers. Half of that is divided among the keys, so
+/// that other keys, however many work together, cannot take it; the other half goes to whoever comes first.
+/// One key of several has at most half of what waits. The other half is for the answer in the making, of
+/// which there is one.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +22,10 @@ struct MemoryShare {
   [[nodiscard]] std::size_t waiting() const { return limit_bytes / 2; }
   /// For what waits for one key of `keys`.
   [[nodiscard]] std::size_t of_key(std::size_t keys) const { return keys > 1 ? waiting() / 2 : waiting(); }
+  /// Of `waiting()`, what no other of `keys` can take from a key.
+  [[nodiscard]] std::size_t guaranteed(std::size_t keys) const {
+    return keys > 1 ? waiting() / 2 / keys : waiting();
+  }
   [[nodiscard]] std::size_t in_work() const { return limit_bytes / 2; }
 };
 

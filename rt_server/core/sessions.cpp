@@ -270,8 +270,7 @@ std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_ove
     const bool said_nothing = goes && !session.has_requested();
     events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
                        session.last_received() - session.began(), session.key()});
-    ledger_.of(session.key()).held_bytes -= session.bytes();
-    held_bytes_ -= session.bytes();
+    hold(session.key(), 0, session.bytes());
     // A silent one has outlived its cookies.
     if (why != ClientEvent::Kind::FellSilent) remember(session.key(), session.hello(), {});
     return true;
@@ -308,6 +307,7 @@ void Sessions::offer(AnswerSet answers) {
 
 void Sessions::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today) {
   gate_.set_ring(ring, today);
+  held_beyond_bytes_ = ledger_.held_beyond(limits_.memory.guaranteed(gate_.ring().size()));
   counters_.expired += end_sessions(ClientEvent::Kind::Expired, [&](const ClientSession& session) {
     return gate_.expired().contains(session.key());
   });
@@ -390,17 +390,27 @@ void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, D
   counters_.overtaken += session->overtaken() - overtaken_before;
 }
 
-/// What the sessions of `key` may take in addition.
+/// What the sessions of `key` may take in addition: what is left of its own, and of what all keys share.
 std::size_t Sessions::room_for(const KeyId& key) {
-  const std::size_t held = ledger_.of(key).held_bytes, share = limits_.memory.of_key(gate_.ring().size());
-  return std::min(share - std::min(share, held),
-                  limits_.memory.waiting() - std::min(limits_.memory.waiting(), held_bytes_));
+  const std::size_t keys = gate_.ring().size(), held = ledger_.of(key).held_bytes,
+                    own = limits_.memory.guaranteed(keys),
+                    shared = beyond(limits_.memory.waiting(), own * std::max<std::size_t>(keys, 1));
+  return std::min(beyond(limits_.memory.of_key(keys), held),
+                  beyond(own, held) + beyond(shared, held_beyond_bytes_));
 }
 
-/// Accounts what `session` holds beyond the `before` bytes that it held.
+/// Accounts what `session` holds instead of the `before` bytes that it held.
 void Sessions::hold(const ClientSession& session, std::size_t before) {
-  ledger_.of(session.key()).held_bytes += session.bytes() - before;
-  held_bytes_ += session.bytes() - before;
+  hold(session.key(), session.bytes(), before);
+}
+
+void Sessions::hold(const KeyId& key, std::size_t now, std::size_t before) {
+  const std::size_t own = limits_.memory.guaranteed(gate_.ring().size());
+  std::size_t& held = ledger_.of(key).held_bytes;
+  held_beyond_bytes_ -= beyond(held, own);
+  held += now - before;
+  held_bytes_ += now - before;
+  held_beyond_bytes_ += beyond(held, own);
 }
 
 /// The key owes the work of the job in work, even if its session has ended.

@@ -196,7 +196,9 @@ class Sessions {
   void charge(Duration work, JobEnd end);
   [[nodiscard]] std::size_t room_for(const KeyId& key);
   void hold(const ClientSession& session, std::size_t before);
+  void hold(const KeyId& key, std::size_t now, std::size_t before);
   std::size_t held_bytes_ = 0;
+  std::size_t held_beyond_bytes_ = 0;  ///< the parts that keys hold beyond what each is guaranteed
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
   /// The last datagrams of sessions that have ended: kGoodbyes for each.

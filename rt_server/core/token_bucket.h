@@ -1,4 +1,5 @@
-/// TokenBucket: limits how often something may happen. It holds the tokens of one second at most.
+/// TokenBucket: limits how often something may happen. It holds the tokens of one second at most, but one in
+/// any case.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +11,12 @@ namespace farshade {
 class TokenBucket {
  public:
   /// Full. `per_second` > 0.
-  explicit TokenBucket(double per_second) : per_second_(per_second), left_(per_second) {}
+  explicit TokenBucket(double per_second) : per_second_(per_second), left_(std::max(per_second, 1.0)) {}
 
   /// Whether a whole token is there at `now`. A clock that steps back brings no tokens.
   [[nodiscard]] bool has_token(Time now) {
     const double earned = std::max(0.0, seconds_of(now - refilled_)) * per_second_;
-    left_ = std::min(per_second_, left_ + earned);
+    left_ = std::min(std::max(per_second_, 1.0), left_ + earned);
     refilled_ = std::max(refilled_, now);
     return left_ >= 1;
   }

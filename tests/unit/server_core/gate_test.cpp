@@ -34,8 +34,14 @@ struct Client {
 };
 
 struct GateTest : testing::Test {
-  Gate gate{{shared_key(), key_of("lap", 100)}, 10};
-  TokenBucket of_key{1000};
+  /// A key that has used its own handshakes, and may have many of the ten that both share.
+  GateTest() {
+    of_key.own = TokenBucket(1e-9);
+    of_key.own.take();
+  }
+
+  Gate gate{{shared_key(), key_of("lap", 100)}, 20};
+  KeyHandshakes of_key{1000, 2};
   Bytes answer;
 
   const SharedKey* knock(const Bytes& hello, Time now, const Peer& from = kFrom) {
@@ -195,12 +201,23 @@ TEST_F(GateTest, AClockThatStopsOrStepsBackGivesNoTokens) {
 }
 
 TEST_F(GateTest, AKeyThatHasUsedItsTokensTakesNoneOfTheOthers) {
-  TokenBucket greedy(3);
+  KeyHandshakes greedy = of_key;
+  greedy.all = TokenBucket(3);
   int through = 0;
   for (int i = 0; i < 100; ++i) through += gate.may_shake_hands(greedy, kStart) ? 1 : 0;
   EXPECT_EQ(through, 3);
   for (int i = 0; i < 7; ++i) EXPECT_TRUE(gate.may_shake_hands(of_key, kStart));
   EXPECT_FALSE(gate.may_shake_hands(of_key, kStart));
+}
+
+TEST_F(GateTest, AKeyHasItsOwnHandshakesWhenAllSharedOnesAreTaken) {
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(of_key, kStart));
+  KeyHandshakes newcomer(20, 2);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(gate.may_shake_hands(newcomer, kStart)) << i;
+  EXPECT_FALSE(gate.may_shake_hands(newcomer, kStart));
+  KeyHandshakes of_many(20, 4096);
+  EXPECT_TRUE(gate.may_shake_hands(of_many, kStart)) << "one in any case";
+  EXPECT_FALSE(gate.may_shake_hands(of_many, kStart));
 }
 
 }  // namespace

@@ -116,6 +116,42 @@ TEST(Insider, OneKeyCannotUseUpTheHandshakes) {
   EXPECT_TRUE(house.join(kGoodPort, {}, kGood).welcome.has_value());
 }
 
+TEST(Insider, TwoKeysThatWorkTogetherLeaveANewcomerAHandshakeAndMemory) {
+  SessionLimits limits{.sessions = 1000, .handshakes_per_second = 10};
+  limits.memory.limit_bytes = 16 * kSession_bytes;  // eight sessions, of which each key has one in any case
+  House house(limits);
+  std::size_t evil = 0;
+  for (int second = 0; second < 20; ++second)
+    for (std::uint16_t i = 0; i < 20; ++i) {
+      const auto port = static_cast<std::uint16_t>(kEvilPort + 20 * second + i);
+      evil += house.join(port, Time(std::chrono::seconds(second)), kRing[i % 2 + 1]).welcome.has_value();
+    }
+  EXPECT_GT(evil, 6u) << "sessions without a request end soon";
+  EXPECT_EQ(house.sessions.size(), 6u) << "what two keys can hold";
+  const Time then(19s);
+  EXPECT_TRUE(house.join(kGoodPort, then, kGood).welcome.has_value());
+  EXPECT_FALSE(house.join(kGoodPort + 1, then, kGood).welcome.has_value()) << "its own handshake is used";
+}
+
+TEST(Insider, MemoryThatIsSharedComesBack) {
+  SessionLimits limits{.sessions = 1000, .handshakes_per_second = 1e6};
+  limits.memory.limit_bytes = 16 * kSession_bytes;
+  House house(limits);
+  const auto join_all = [&](Time now) {
+    std::size_t joined = 0;
+    for (std::uint16_t i = 0; i < 30; ++i)
+      joined += house.join(kEvilPort + i, now, kRing[i % 2 + 1]).welcome.has_value();
+    return joined;
+  };
+  EXPECT_EQ(join_all({}), 6u);
+  house.sessions.end_silent(Time(SessionLimits{}.silence + 1s));
+  EXPECT_EQ(house.sessions.held_bytes(), 0u);
+  EXPECT_EQ(join_all(Time(100s)), 6u);
+  house.sessions.set_ring({kRing[1]});
+  EXPECT_LT(house.sessions.size(), 6u);
+  EXPECT_EQ(house.sessions.size() + join_all(Time(101s)), 8u) << "a key that is alone has all";
+}
+
 TEST(Insider, AKeyThatIsNoLongerAloneHasHalfOfTheHandshakes) {
   House house({.sessions = 1000, .handshakes_per_second = 10});
   house.sessions.set_ring({kEvil});
@@ -396,29 +432,32 @@ void fill_share(House& house, LinkClient& client, std::uint16_t port, std::size_
   house.sessions.put(id, std::vector<Bytes>(1, Bytes(share_bytes - held - kMessage_bytes)), {}, {});
 }
 
-TEST(Insider, TwoKeysThatHoldAllMemoryLeaveNoneToAThird) {
-  constexpr std::size_t kMiB = std::size_t{1} << 20;
+TEST(Insider, TwoKeysThatHoldAllMemoryLeaveAThirdItsOwn) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20, kOwn = 2 * kMiB / 3, kShared = 4 * kMiB - 3 * kOwn;
   for (const bool with_report : {false, true}) {
     SCOPED_TRACE(with_report ? "more is held than the limit" : "as much is held as the limit");
     House house({.memory = {8 * kMiB}});
     LinkClient one = house.join(1, {}, kRing[0]), two = house.join(2, {}, kRing[1]),
                two_too = house.join(3, {}, kRing[1]);
     fill_share(house, one, 1, 2 * kMiB);
-    fill_share(house, two, 2, 2 * kMiB);
-    EXPECT_EQ(house.sessions.held_bytes(), 4 * kMiB);
+    fill_share(house, two, 2, kOwn + kShared - (2 * kMiB - kOwn));
+    EXPECT_EQ(house.sessions.held_bytes(), 2 * kOwn + kShared);
+    EXPECT_EQ(house.sessions.counters().over_memory, 0u);
     if (with_report) {  // a report is sent even if there is no memory for it
       house.ask(two_too, 3, 1);
       house.sessions.put(house.sessions.next_job({})->session, std::vector<Bytes>(1, Bytes(50)), {}, {});
-      EXPECT_GT(house.sessions.held_bytes(), 4 * kMiB);
+      EXPECT_GT(house.sessions.held_bytes(), 2 * kOwn + kShared);
     }
     const std::uint64_t before = house.sessions.counters().over_memory;
-    const LinkClient third = house.join(4, {}, kRing[2]);
-    ASSERT_TRUE(third.refusal.has_value());
-    EXPECT_EQ(third.refusal->reason, RefusalReason::Busy);
+    for (std::uint16_t i = 0; i < kOwn / kSession_bytes; ++i)
+      EXPECT_TRUE(house.join(4 + i, {}, kRing[2]).welcome.has_value()) << i;
+    const LinkClient last = house.join(99, {}, kRing[2]);
+    ASSERT_TRUE(last.refusal.has_value());
+    EXPECT_EQ(last.refusal->reason, RefusalReason::Busy);
     EXPECT_EQ(house.sessions.counters().over_memory, before + 1);
     const Time later(SessionLimits{}.silence + 1s);
     house.sessions.end_silent(later);
-    EXPECT_TRUE(house.join(4, later, kRing[2]).welcome.has_value());
+    EXPECT_TRUE(house.join(99, later, kRing[2]).welcome.has_value());
   }
 }
 
