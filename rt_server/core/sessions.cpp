@@ -94,7 +94,7 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   }
   const bool is_full = sessions_.size() == limits_.sessions;
   const ClientSession* const displaced = is_full ? to_displace(hello.key) : nullptr;
-  const bool has_room = !is_full || displaced != nullptr, key_full = is_key_full(*key, from);
+  const bool has_room = !is_full || displaced != nullptr, key_full = is_key_full(*key, from, now);
   const std::optional<RefusalReason> refused = why_refused(hello, key_full, has_room);
   const ServerMessage message =
       refused ? ServerMessage(Refusal{*refused, served_.scene_hash}) : ServerMessage(served_);
@@ -155,13 +155,13 @@ void Sessions::remember(const KeyId& key, const PublicKey& client, const std::ve
   spent_.push_back({key, client, answer, now_ + kCookieLife});
 }
 
-/// Sessions at the newcomer's own address do not count: its client was started anew, and they end with its
-/// first datagram.
-bool Sessions::is_key_full(const SharedKey& key, const Peer& from) const {
+/// Sessions at the newcomer's own address do not count, nor do silent ones: its client was started anew, or
+/// another one has ended without a word. They end with its first datagram (end_beyond_limit).
+bool Sessions::is_key_full(const SharedKey& key, const Peer& from, Time now) const {
   if (!key.limits.sessions) return false;
   const KeyId id = id_of(key);
   const auto others = std::ranges::count_if(sessions_, [&](const ClientSession& session) {
-    return session.key() == id && session.client() != from;
+    return session.key() == id && session.client() != from && now - session.last_received() < kReplaceable;
   });
   return static_cast<std::uint64_t>(others) >= *key.limits.sessions;
 }
@@ -229,7 +229,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
     end_left(sealed.session);
     return {};
   }
-  if (first && session->is_confirmed()) end_replaced(session->id());
+  if (first && session->is_confirmed()) {
+    end_replaced(sealed.session);
+    end_beyond_limit(sealed.session);
+  }
   if (!received) return refuse(received.error());
   was_opened_ = true;
   count(*received);
@@ -257,6 +260,25 @@ void Sessions::end_replaced(SessionId kept) {
   counters_.replaced += end_sessions(ClientEvent::Kind::Replaced, [&](const ClientSession& session) {
     return session.id() != kept && session.name() == name && session.client() == client;
   });
+}
+
+/// Sessions may have been let in beyond the limit of their key. Those that have been silent longest end.
+void Sessions::end_beyond_limit(SessionId kept) {
+  const KeyId key = find(kept)->key();
+  const auto entry = gate_.ring().find(key);
+  if (entry == gate_.ring().end() || !entry->second.limits.sessions) return;
+  const auto is_of_key = [&](const ClientSession& session) { return session.key() == key; };
+  while (static_cast<std::uint64_t>(std::ranges::count_if(sessions_, is_of_key)) >
+         *entry->second.limits.sessions) {
+    const ClientSession* silent = nullptr;
+    for (const ClientSession& session : sessions_)
+      if (is_of_key(session) && session.id() != kept &&
+          (silent == nullptr || session.last_received() < silent->last_received()))
+        silent = &session;
+    counters_.replaced +=
+        end_sessions(ClientEvent::Kind::Replaced,
+                     [id = silent->id()](const ClientSession& session) { return session.id() == id; });
+  }
 }
 
 template <class IsOver>

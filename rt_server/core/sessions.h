@@ -145,6 +145,7 @@ class Sessions {
                      Time now);
   void count(ReceivedMessage received);
   void end_replaced(SessionId kept);
+  void end_beyond_limit(SessionId kept);
   [[nodiscard]] Time end_of(const ClientSession& session) const;
   void share_limits();
   template <class IsOver>
@@ -154,7 +155,9 @@ class Sessions {
   void end_displaced(SessionId id);
   void end_left(SessionId id);
   void queue_goodbye(ClientSession& session, EndReason reason);
-  [[nodiscard]] bool is_key_full(const SharedKey& key, const Peer& from) const;
+  /// A session that is silent for so long makes room for another one of a key that has no more.
+  static constexpr Duration kReplaceable = std::chrono::seconds(1);
+  [[nodiscard]] bool is_key_full(const SharedKey& key, const Peer& from, Time now) const;
   void log_refusal(const Peer& from, const Hello& hello, const GateCounters& before);
 
   /// A hello of which nothing more comes: it was refused, or its session has ended. While its cookie is valid

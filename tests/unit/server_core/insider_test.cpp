@@ -679,6 +679,44 @@ TEST(KeyLimits, AKeyHasNoMoreSessionsThanTheRingAllows) {
   EXPECT_TRUE(house.join(kGoodPort, {}, kGood).welcome.has_value());
 }
 
+TEST(KeyLimits, ANewClientReplacesOneThatEndedWithoutAWord) {
+  House house;
+  house.sessions.set_ring({kGood, limited(kEvil, {.sessions = 1})});
+  LinkClient first = house.join(kEvilPort, {}, kEvil);
+  house.ask(first, kEvilPort, 1);
+  EXPECT_EQ(house.join(kEvilPort + 1, Time(900ms), kEvil).refusal->reason, RefusalReason::Busy);
+  LinkClient second = house.join(kEvilPort + 2, Time(1100ms), kEvil);
+  ASSERT_TRUE(second.welcome.has_value());
+  EXPECT_EQ(house.sessions.size(), 2u) << "it has not shown yet that it has the session keys";
+  house.ask(second, kEvilPort + 2, 1, Time(1100ms));
+  EXPECT_EQ(house.sessions.size(), 1u);
+  EXPECT_EQ(house.sessions.counters().replaced, 1u);
+  EXPECT_EQ(house.sessions.next_job(Time(1100ms))->session, second.session);
+  house.ask(first, kEvilPort, 2, Time(1200ms));
+  EXPECT_EQ(first.no_session, 1u);
+}
+
+/// A session at the newcomer's own address does not count, and it may move there for that moment.
+TEST(KeyLimits, MovingBringsNoMoreSessionsThanTheRingAllows) {
+  House house;
+  house.sessions.set_ring({kGood, limited(kEvil, {.sessions = 1})});
+  LinkClient first = house.join(kEvilPort, {}, kEvil);
+  std::uint32_t frame = 0;
+  const auto ask_from = [&](std::uint16_t port) {
+    house.talk(first, port, first.seal({.request = request_of(++frame, kSize), .probe_echo = first.probe}));
+  };
+  for (const std::uint16_t port :
+       {kEvilPort, kEvilPort, std::uint16_t{kEvilPort + 1}, std::uint16_t{kEvilPort + 1}})
+    ask_from(port);
+  ASSERT_EQ(house.sessions.counters().moved, 1u);
+  LinkClient second = house.join(kEvilPort + 1, {}, kEvil);
+  ASSERT_TRUE(second.welcome.has_value());
+  for (int i = 0; i < 2; ++i) ask_from(kEvilPort);
+  ASSERT_EQ(house.sessions.counters().moved, 2u);
+  house.ask(second, kEvilPort + 1, 1);
+  EXPECT_EQ(house.sessions.size(), 1u);
+}
+
 TEST(KeyLimits, AKeysSessionsAreNoFasterThanTheRingAllows) {
   for (const bool slow : {false, true}) {
     House house;
