@@ -242,6 +242,19 @@ void print_counters(const ServerCore& core, const SceneSender* sender) {
   if (sender != nullptr && sender->counters() != SenderCounters{}) say(counters_line(sender->counters()));
 }
 
+/// Most answers are drawn within this time.
+constexpr Duration kDrawn = std::chrono::seconds(3);
+
+/// Ends the process, because nothing interrupts a graphics device.
+[[noreturn]] void end_while_drawing(const ServeOptions& options, ServerCore& core,
+                                    const SceneSender* sender) {
+  core.say_goodbye();
+  print_counters(core, sender);
+  static_cast<void>(remove_ready_file(options));
+  flush_log();
+  std::_Exit(EXIT_SUCCESS);
+}
+
 Expected<void> print_plan(const Scene& scene, const ScenePlan& plan) {
   fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
              in_words(estimated_memory(scene, plan.trace)));
@@ -306,7 +319,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (Expected<void> told = tell_addresses(options, server->addresses); !told) return told;
   KeysInUse keys(*ring, core, sender.get());
   {
-    const Serving serving(core);
+    Serving serving(core);
     const std::unique_ptr<Announcer> announcer = announce(options, server->addresses);
     const auto reload = [&] {
       ring_file.mark_as_seen();
@@ -317,6 +330,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                 keys.look_again(options);
                 if (!options.insecure && ring_file.has_changed()) reload();
               });
+    if (!serving.end(kDrawn)) end_while_drawing(options, core, sender.get());
   }
   core.say_goodbye();
   print_counters(core, sender.get());

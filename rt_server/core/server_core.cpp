@@ -12,6 +12,8 @@ namespace farshade {
 namespace {
 
 constexpr Duration kLookInterval = std::chrono::milliseconds(10);
+/// A wait that ends so much later was not one: the process was stopped, or the machine slept.
+constexpr Duration kStall = std::chrono::seconds(1);
 constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it earlier
 
 std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
@@ -123,12 +125,14 @@ bool ServerCore::receive(Duration wait) try { return receive_datagram(wait); } c
 
 bool ServerCore::receive_datagram(Duration wait) {
   std::array<std::byte, kBaseDatagram_bytes> buffer;
+  const Time asked = clock_.now();
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   bool is_request_waiting = false;
   std::vector<ClientEvent> events;
   {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
+    if (const Duration late = now - asked - wait; late > kStall) sessions_.forgive(late, now);
     if (datagram) {
       const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, now, datagram_);
       if (!taken) refused_.count(taken.error());
@@ -169,14 +173,27 @@ void ServerCore::admit(Newcomers newcomers) {
 }
 
 void ServerCore::say_goodbye() {
+  const auto next = [&]() -> std::optional<Time> {
+    const std::lock_guard lock(mutex_);
+    return sessions_.goodbye_at();
+  };
   {
     const std::lock_guard lock(mutex_);
     sessions_.say_goodbye();
   }
-  send_due();
+  std::array<std::byte, kBaseDatagram_bytes> ignored;
+  for (std::optional<Time> at; (at = next());) {
+    if (const Duration wait = *at - clock_.now(); wait > Duration::zero())
+      static_cast<void>(port_.receive(ignored, wait));
+    send_due();
+  }
 }
 
-void ServerCore::send_due() {
+void ServerCore::send_due() try { send_all_due(); } catch (const std::bad_alloc&) {
+  ++out_of_memory_;
+}
+
+void ServerCore::send_all_due() {
   Peer to;
   const auto seal = [&] {
     const std::lock_guard lock(mutex_);
@@ -303,9 +320,18 @@ Serving::Serving(ServerCore& core)
           core.send_due();
         }
       }),
-      worker_([&core](const std::stop_token& stop) {
+      worker_([this, &core](const std::stop_token& stop) {
         while (core.wait_for_work(stop)) core.work(stop);
+        worker_has_ended_.set_value();
       }) {}
+
+bool Serving::end(Duration patience) {
+  network_.request_stop();
+  worker_.request_stop();
+  core_.wake();
+  network_.join();
+  return worker_has_ended_.get_future().wait_for(patience) == std::future_status::ready;
+}
 
 Serving::~Serving() {
   network_.request_stop();

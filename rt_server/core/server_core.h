@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <future>
 #include <map>
 #include <mutex>
 #include <stop_token>
@@ -57,7 +58,8 @@ class ServerCore {
   /// Whether clients without a session are admitted; any thread may call it.
   void admit(Newcomers newcomers);
 
-  /// Tells all clients that the server ends. Only when no other thread uses the core any more.
+  /// Tells all clients that the server ends: kGoodbyes times, which takes a moment. Only when no other thread
+  /// receives and sends any more.
   void say_goodbye();
 
   /// Sends all datagrams that are due.
@@ -94,6 +96,7 @@ class ServerCore {
     JobEnd end = JobEnd::Answered;
   };
   bool receive_datagram(Duration wait);
+  void send_all_due();
   [[nodiscard]] Answered answer(Job& job, Time begun, const std::stop_token& stop);
   [[nodiscard]] bool is_given_up(const std::stop_token& stop);
 
@@ -127,11 +130,16 @@ class Serving {
   explicit Serving(ServerCore& core);
   Serving(const Serving&) = delete;
   Serving& operator=(const Serving&) = delete;
-  /// Ends both threads. Gives up the answer in work.
+  /// Ends both threads. Gives up the answer in work, if it can be given up.
   ~Serving();
+
+  /// The same, but waits no longer than `patience`. Returns false if the answer in work takes longer: it is
+  /// drawn, and nothing interrupts a graphics device.
+  [[nodiscard]] bool end(Duration patience);
 
  private:
   ServerCore& core_;
+  std::promise<void> worker_has_ended_;
   std::jthread network_, worker_;
 };
 

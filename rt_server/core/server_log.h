@@ -25,6 +25,9 @@ class ServerLog {
   std::shared_ptr<spdlog::details::thread_pool> writer_;
 };
 
+/// Returns when everything is written, or after a second.
+void flush_log();
+
 /// Writes a line to standard output. Only while there is a ServerLog.
 void say(std::string_view line);
 

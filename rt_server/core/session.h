@@ -122,6 +122,8 @@ class ClientSession {
   [[nodiscard]] std::span<const std::byte> accept_datagram() const { return accept_; }
   [[nodiscard]] Time began() const { return began_; }
   [[nodiscard]] Time last_received() const { return last_received_; }
+  /// The client was not heard for the `stall` before `now`, and that was not its fault.
+  void forgive(Duration stall, Time now) { last_received_ = std::min(now, last_received_ + stall); }
   /// A sealed datagram of the client has been opened, so the client has the session keys.
   [[nodiscard]] bool is_confirmed() const { return confirmed_; }
 

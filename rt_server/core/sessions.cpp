@@ -193,14 +193,24 @@ void Sessions::end_left(SessionId id) {
 
 void Sessions::queue_goodbye(ClientSession& session, EndReason reason) {
   const std::size_t before = session.bytes();
-  for (int i = 0; i < kGoodbyes; ++i)
-    session.seal_goodbye(reason, goodbyes_.emplace_back(session.client(), std::vector<std::byte>{}).second);
+  Farewell& farewell = farewells_.emplace_back(Farewell{session.client(), {}});
+  for (int i = 0; i < kGoodbyes; ++i) session.seal_goodbye(reason, farewell.datagrams.emplace_back());
   hold(session, before);
   due_at_.reset();
 }
 
 void Sessions::say_goodbye() {
   for (ClientSession& session : sessions_) queue_goodbye(session, EndReason::ServerEnds);
+}
+
+std::optional<Time> Sessions::goodbye_at() const {
+  if (farewells_.empty()) return std::nullopt;
+  return std::ranges::min(farewells_, {}, &Farewell::due).due;
+}
+
+void Sessions::forgive(Duration stall, Time now) {
+  for (ClientSession& session : sessions_) session.forgive(stall, now);
+  silent_at_ = now;  // to be found anew
 }
 
 Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
@@ -446,9 +456,13 @@ void Sessions::charge(Duration work, JobEnd end) {
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
-  if (!goodbyes_.empty()) {
-    std::tie(to, datagram) = std::move(goodbyes_.back());
-    goodbyes_.pop_back();
+  const auto is_due = [&](const Farewell& farewell) { return farewell.due <= now; };
+  if (const auto next = std::ranges::find_if(farewells_, is_due); next != farewells_.end()) {
+    to = next->to;
+    datagram = std::move(next->datagrams.back());
+    next->datagrams.pop_back();
+    next->due = now + kBetweenGoodbyes;
+    if (next->datagrams.empty()) farewells_.erase(next);
     due_at_.reset();
     return true;
   }
@@ -489,10 +503,10 @@ std::optional<Time> Sessions::job_at() const {
 std::optional<Time> Sessions::due_at() const {
   if (due_at_) return *due_at_;
   std::optional<Time> earliest;
-  if (!goodbyes_.empty()) earliest = Time{};
   for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
   if (earliest) earliest = std::max(*earliest, may_send_at_);
+  if (const std::optional<Time> at = goodbye_at(); at && (!earliest || *at < *earliest)) earliest = at;
   due_at_ = earliest;
   return earliest;
 }

@@ -104,6 +104,12 @@ class Sessions {
 
   /// Queues the news for all clients that the server ends.
   void say_goodbye();
+  /// When the next goodbye leaves; nothing if none is left.
+  [[nodiscard]] std::optional<Time> goodbye_at() const;
+
+  /// The server did not run for so long, and has not yet read what came meanwhile: its clients were not
+  /// silent.
+  void forgive(Duration stall, Time now);
 
   /// Seals the next datagram that is due, for `to`. Returns false if none is. When the limit of all sessions
   /// lets only some go, it is one of the key that was sent the least.
@@ -204,8 +210,14 @@ class Sessions {
   std::size_t held_beyond_bytes_ = 0;  ///< the parts that keys hold beyond what each is guaranteed
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
-  /// The last datagrams of sessions that have ended: kGoodbyes for each.
-  std::vector<std::pair<Peer, std::vector<std::byte>>> goodbyes_;
+  /// The last datagrams for a client whose session has ended: what loses one may lose the next one, too, so
+  /// they leave apart.
+  struct Farewell {
+    Peer to;
+    std::vector<std::vector<std::byte>> datagrams;
+    Time due{};
+  };
+  std::vector<Farewell> farewells_;
   std::deque<SpentHello> spent_;
   Time now_{};  ///< of the last datagram
 };

@@ -77,13 +77,14 @@ int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening 
   return file.close_now();
 }
 
-/// Refuses a file that others than its owner may read or write.
+/// Refuses a file that others than its owner may read or write, except one that root gives to this user
+/// through a group.
 Expected<void> only_its_owners(const fs::path& path, const struct stat& status) {
   if (status.st_uid != ::geteuid() && status.st_uid != 0)
     return fail(Fault::Unreadable, "'" + path.string() +
                                        "' holds secrets and belongs to another user: make it anew, or chown "
                                        "it to the one who runs this");
-  if ((status.st_mode & (S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)) != 0)
+  if (!is_private(status.st_mode, status.st_uid, ::geteuid()))
     return fail(Fault::Unreadable, "'" + path.string() +
                                        "' holds secrets and others than its owner may read or write it: "
                                        "chmod 600 " +
@@ -144,6 +145,11 @@ std::int64_t changed_at(const fs::path& path) {
 
 Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t max_bytes) {
   return read(path, max_bytes, Content::Public);
+}
+
+bool is_private(unsigned mode, unsigned owner, unsigned reader) {
+  const unsigned of_others = mode & (S_IRWXG | S_IRWXO) & ~(S_IXGRP | S_IXOTH);
+  return of_others == 0 || (of_others == S_IRGRP && owner == 0 && reader != 0);
 }
 
 Expected<std::vector<std::byte>> read_private_file(const fs::path& path, std::uint64_t max_bytes) {

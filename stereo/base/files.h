@@ -44,8 +44,13 @@ class FolderLock {
 
 // ---- files with secrets
 
-/// As read_file. Refuses (Unreadable) a file that group or others may read or write, and a file that belongs
-/// to neither this user nor root. The error tells how to fix it.
+/// Whether a file with this mode that belongs to `owner` is secret enough for the user `reader`: nobody but
+/// its owner may read or write it, or it is root's, who lets a group read it that the reader is in
+/// (Kubernetes gives secrets in no other way).
+[[nodiscard]] bool is_private(unsigned mode, unsigned owner, unsigned reader);
+
+/// As read_file. Refuses (Unreadable) a file that is not private (is_private), and a file that belongs to
+/// neither this user nor root. The error tells how to fix it.
 [[nodiscard]] Expected<std::vector<std::byte>> read_private_file(const std::filesystem::path& path,
                                                                  std::uint64_t max_bytes);
 

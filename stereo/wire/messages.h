@@ -92,6 +92,7 @@ struct Leave {
 
 /// A client's Leave and a server's Goodbye are sent so often, since any datagram may be lost.
 inline constexpr int kGoodbyes = 3;
+inline constexpr Duration kBetweenGoodbyes = std::chrono::milliseconds(20);
 
 using ClientMessage = std::variant<RequestMessage, AskSlice, PlaneSlice, Leave>;
 

@@ -9,6 +9,7 @@
 
 #include "stereo/frame/tiles.h"
 #include "stereo/net/udp.h"
+#include "stereo/wire/frame_fields.h"
 #include "tests/unit/forged.h"
 
 namespace farshade {
@@ -37,11 +38,11 @@ InsiderAttack::InsiderAttack(const Peer& server, const SharedKey& key, const Wel
 void InsiderAttack::run(const std::atomic<bool>& over) {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 19);
   constexpr std::array<void (InsiderAttack::*)(), kPlays> plays{
-      &InsiderAttack::reconnect,         &InsiderAttack::repeat_tiles,
-      &InsiderAttack::wild_codings,      &InsiderAttack::jump_counters,
-      &InsiderAttack::flood_victim,      &InsiderAttack::report_nothing,
-      &InsiderAttack::hold_memory,       &InsiderAttack::report_without_looking,
-      &InsiderAttack::ask_for_everything};
+      &InsiderAttack::reconnect,          &InsiderAttack::repeat_tiles,
+      &InsiderAttack::wild_codings,       &InsiderAttack::jump_counters,
+      &InsiderAttack::flood_victim,       &InsiderAttack::report_nothing,
+      &InsiderAttack::hold_memory,        &InsiderAttack::report_without_looking,
+      &InsiderAttack::ask_for_everything, &InsiderAttack::jump_fields};
   const SteadyClock clock;
   for (; !over; ++rounds_) {
     const auto play = plays[rounds_ % plays.size()];
@@ -205,6 +206,38 @@ void InsiderAttack::ask_for_everything() {
   for (int i = 0; i < 4; ++i) {
     Socket& socket = joined(next_++);
     say(socket, RequestMessage{.request = next_request(socket, {side, side})});
+  }
+}
+
+/// Mostly valid: sizes are small, so that many are answered, and some are too large.
+void InsiderAttack::jump_fields() {
+  const auto up_to = [&](std::uint64_t most) { return random_() % (most + 1); };
+  const auto any = [&] { return (std::uint64_t{1} << up_to(63)) - up_to(1); };
+  const auto any_time = [&] { return time_from_ns(static_cast<std::int64_t>(any() % kMaxTime_ns)); };
+  for (int i = 0; i < 8; ++i) {
+    Socket& socket = joined(up_to(1));
+    const auto side = static_cast<std::uint32_t>(up_to(9) == 0 ? kMaxViewSide_px : 64);
+    RequestMessage message{.request = next_request(socket, {side, side})};
+    FrameRequest& request = message.request;
+    request.frame.value = static_cast<std::uint32_t>(up_to(3) == 0 ? any() : socket.last + up_to(2));
+    if (up_to(1) == 0) request.display_time = any_time();
+    if (up_to(1) == 0) request.scene_time = any_time();
+    request.answer.kind =
+        static_cast<Answer>(up_to(2) == 0 ? up_to(kAnswers - 1) : static_cast<std::uint64_t>(Answer::Video));
+    if (is_video(request.answer.kind)) {
+      request.answer.bits_per_second = kLeastVideo_bits;
+      request.answer.interval =
+          Duration(1 + static_cast<Duration::rep>(any() % kMostPictureInterval.count()));
+      request.answer.coding = up_to(3) == 0 ? Coding::Alone : Coding::AfterLast;
+    }
+    if (request.answer.kind == Answer::MasksOfPositions)
+      request.answer.position_bits = kLeastPosition_bits + static_cast<std::uint32_t>(up_to(8));
+    message.probe_echo = any();
+    message.arrivals.first = any() / 2;
+    message.arrivals.base = any_time();
+    message.arrivals.count = static_cast<std::uint32_t>(up_to(ArrivalReport::kMost));
+    socket.last = request.frame.value;
+    say(socket, message);
   }
 }
 

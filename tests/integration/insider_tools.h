@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <random>
 #include <string_view>
 #include <vector>
 
@@ -27,12 +28,12 @@ class InsiderAttack {
   /// Plays that have ended. Any thread may call it.
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
-  static constexpr std::size_t kPlays = 9;
+  static constexpr std::size_t kPlays = 10;
   /// In the order in which they are played; after the last comes the first.
   static constexpr std::array<std::string_view, kPlays> kNames{
-      "sessions begun anew", "known tiles again",     "sizes and bit rates",
-      "counters that jump",  "a flood at the client", "nothing reported",
-      "memory held",         "arrivals made up",      "the largest views"};
+      "sessions begun anew",   "known tiles again", "sizes and bit rates", "counters that jump",
+      "a flood at the client", "nothing reported",  "memory held",         "arrivals made up",
+      "the largest views",     "fields that jump"};
 
  private:
   /// Datagrams before the attacker waits until the server has handled them: more would overflow the server's
@@ -44,7 +45,7 @@ class InsiderAttack {
     std::unique_ptr<DatagramPort> port;
     std::optional<link_test::PortClient> client{};
     std::uint64_t counter = 0;
-    std::uint32_t frame = 0;
+    std::uint32_t frame = 0, last = 0;
     std::optional<std::uint64_t> holds_since{};  ///< the round
   };
 
@@ -58,6 +59,7 @@ class InsiderAttack {
   void report_without_looking();
   void hold_memory();         // 9: positions that are never complete
   void ask_for_everything();  // 10: the largest views
+  void jump_fields();         // 11: requests of every kind, with any frame numbers, times, sizes and rates
 
   Socket& joined(std::size_t i);
   void join(Socket& socket);
@@ -72,6 +74,7 @@ class InsiderAttack {
   std::unique_ptr<DatagramPort> pacer_;  ///< only says hello
   std::vector<Socket> sockets_;
   std::size_t next_ = 0;
+  std::mt19937_64 random_{1};
   std::uint64_t sent_ = 0;
   std::atomic<std::uint64_t> rounds_ = 0;
 };

@@ -37,9 +37,18 @@ NetworkLink::~NetworkLink() {
   if (!channel_) return;
   encode(Leave{}, message_);
   for (int i = 0; i < kGoodbyes; ++i) {
+    if (i > 0) wait_out(kBetweenGoodbyes);  // what loses one may lose the next one, too
     channel_->sealer.seal(message_, outgoing_);
     send_outgoing();
   }
+}
+
+/// Waits, whatever comes.
+void NetworkLink::wait_out(Duration span) {
+  std::array<std::byte, kMaxDatagram_bytes> ignored;
+  const Time until = clock_.now() + span;
+  for (Duration left = span; left > Duration::zero(); left = until - clock_.now())
+    static_cast<void>(port_.receive(ignored, left));
 }
 
 void NetworkLink::send_outgoing() {

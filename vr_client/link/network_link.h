@@ -124,6 +124,7 @@ class NetworkLink final : public AnswerLink {
   };
 
   void send_outgoing();
+  void wait_out(Duration span);
   bool receive_one(Duration wait);
   void keep_session();
   void say_hello();

@@ -42,6 +42,19 @@ TEST(WriteFile, LeavesNothingBehindOnFailure) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
+TEST(IsPrivate, AFileOfOneUserOrOneThatRootGivesToAGroup) {
+  constexpr unsigned kRoot = 0, kMe = 1000, kOther = 1001;
+  for (const unsigned mode : {0600u, 0400u, 0700u, 0711u}) EXPECT_TRUE(is_private(mode, kMe, kMe)) << mode;
+  for (const unsigned mode : {0640u, 0440u}) {
+    EXPECT_TRUE(is_private(mode, kRoot, kMe)) << mode;
+    EXPECT_FALSE(is_private(mode, kRoot, kRoot)) << mode << ": root can make it private";
+    EXPECT_FALSE(is_private(mode, kMe, kMe)) << mode;
+    EXPECT_FALSE(is_private(mode, kOther, kMe)) << mode;
+  }
+  for (const unsigned mode : {0644u, 0604u, 0660u, 0620u, 0642u, 0602u, 0666u})
+    for (const unsigned owner : {kRoot, kMe}) EXPECT_FALSE(is_private(mode, owner, kMe)) << mode;
+}
+
 TEST(WriteFile, NamesMissingFolder) {
   const ScratchFolder folder;
   const auto written = write_file_atomically(folder.path() / "none" / "a", "text");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <future>
 
@@ -94,6 +95,21 @@ TEST_F(FetchTest, WhatWasFetchedIsKeptWhenTheUserStops) {
   EXPECT_LE(rest->fetched_bytes, 1'500'000u);
   EXPECT_GT(rest->fetched_bytes, 0u);
   expect_equal_files(*rest);
+}
+
+TEST_F(FetchTest, AKeyThatIsTakenOutOfTheRingGetsNoMore) {
+  write({{"a.glb", 4'000'000}});
+  serve({.bytes_per_second = 2e6});
+  FetchPlan wanted = plan();
+  wanted.patience = 500ms;
+  std::atomic<bool> revoked = false;
+  wanted.progress = [&](std::uint64_t here, std::uint64_t) {
+    if (here > 200'000 && !revoked.exchange(true)) sender_->set_ring({new_key("another").value()});
+  };
+  const Expected<FetchedScene> cut = fetch_scene(wanted);
+  EXPECT_TRUE(revoked);
+  EXPECT_FALSE(cut);
+  EXPECT_LT(sender_->counters().sent_bytes, 1'000'000u);
 }
 
 TEST_F(FetchTest, TwoClientsAtOnceAndTwoWithOneCache) {

@@ -1,6 +1,8 @@
 // A client that holds a valid key, and does with it what it likes, costs the clients of other keys nothing.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "tests/unit/forged.h"
 #include "tests/unit/server_core/house.h"
 
@@ -549,12 +551,13 @@ TEST(Goodbye, ALeaveThatIsReplayedOrForgedDoesNothing) {
   EXPECT_EQ(house.sessions.size(), 1u);
 }
 
-/// What the sessions send now.
+/// What the sessions send from now on, until nothing is left.
 std::vector<std::pair<Peer, Bytes>> sent_by(Sessions& sessions, Time now = {}) {
   std::vector<std::pair<Peer, Bytes>> all;
   Peer to;
   Bytes datagram;
-  while (sessions.seal_due(now, to, datagram)) all.emplace_back(to, datagram);
+  for (std::optional<Time> at; (at = sessions.due_at());)
+    while (sessions.seal_due(std::max(now, *at), to, datagram)) all.emplace_back(to, datagram);
   return all;
 }
 
@@ -583,6 +586,39 @@ TEST(Goodbye, AClientIsToldWhyItsSessionEnds) {
   const auto ends = sent_by(house.sessions);
   ASSERT_EQ(ends.size(), std::size_t{kGoodbyes});
   EXPECT_EQ(std::get<Goodbye>(*opened(good, ends[0].second)).reason, EndReason::ServerEnds);
+}
+
+TEST(Goodbye, LeavesThreeTimesApart) {
+  House house;
+  LinkClient one = house.join(kGoodPort, {}, kGood), two = house.join(kEvilPort, {}, kEvil);
+  house.sessions.say_goodbye();
+  Peer to;
+  Bytes datagram;
+  for (const Duration at : {0ms, 20ms, 40ms}) {
+    EXPECT_EQ(house.sessions.goodbye_at().has_value(), true) << ms_of(at);
+    if (at > 0ms) {
+      EXPECT_FALSE(house.sessions.seal_due(Time(at - 1us), to, datagram)) << ms_of(at);
+    }
+    std::set<std::uint16_t> ports;
+    while (house.sessions.seal_due(Time(at), to, datagram)) ports.insert(to.port);
+    EXPECT_EQ(ports, (std::set<std::uint16_t>{kGoodPort, kEvilPort})) << ms_of(at);
+  }
+  EXPECT_FALSE(house.sessions.goodbye_at().has_value());
+}
+
+TEST(Sessions, AreForgivenWhatTheServerDidNotHear) {
+  House house;
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  const Duration stall = SessionLimits{}.silence + 5s;
+  house.sessions.forgive(stall, Time(stall));
+  house.sessions.end_silent(Time(stall));
+  EXPECT_EQ(house.sessions.size(), 1u);
+  house.sessions.end_silent(Time(stall + SessionLimits{}.silence - 1ms));
+  EXPECT_EQ(house.sessions.size(), 1u);
+  ASSERT_TRUE(house.sessions.silent_at().has_value());
+  house.sessions.end_silent(*house.sessions.silent_at());
+  EXPECT_EQ(house.sessions.size(), 0u);
 }
 
 TEST(Goodbye, NothingFollowsIt) {

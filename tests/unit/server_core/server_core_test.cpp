@@ -63,6 +63,45 @@ struct Bench {
   PortClient client{link.client(), link.server().local(), kTwoKeys[0], kServed};
 };
 
+/// A port of a process that is stopped for `stall` while it waits.
+class StalledPort final : public DatagramPort {
+ public:
+  StalledPort(DatagramPort& port, ManualClock& clock) : port_(port), clock_(clock) {}
+  [[nodiscard]] Peer local() const override { return port_.local(); }
+  bool send(const Peer& to, std::span<const std::byte> bytes) override { return port_.send(to, bytes); }
+  [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
+    clock_.advance_to(clock_.now() + std::exchange(stall, Duration{}));
+    return port_.receive(into, wait);
+  }
+  void wake() override { port_.wake(); }
+  [[nodiscard]] PortCounters counters() const override { return port_.counters(); }
+  Duration stall{};
+
+ private:
+  DatagramPort& port_;
+  ManualClock& clock_;
+};
+
+TEST(ServerCore, AStallEndsNoSession) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  StalledPort port(link.server(), clock);
+  ServerCore core(kServed, kTwoKeys, masks_from(paint), port, clock);
+  link.while_waiting([&] { serve(core); }, [&] { return core.next_due(); });
+  PortClient client(link.client(), link.server().local(), kTwoKeys[0], kServed);
+  ASSERT_TRUE(client.meet(1s));
+  client.say(client.seal({.request = request(1)}));
+  serve(core);
+  for (const Duration stall : {5s, 11s, 60s, 3600s}) {
+    port.stall = stall;
+    core.receive({});
+    EXPECT_EQ(core.counters().sessions_open, 1u) << seconds_of(stall);
+  }
+  clock.advance_to(clock.now() + SessionLimits{}.silence + 1s);
+  core.receive({});
+  EXPECT_EQ(core.counters().sessions_open, 0u) << "nobody came, and the server ran";
+}
+
 TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
   Bench bench({.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}});
   ASSERT_TRUE(bench.client.meet(1s));

@@ -104,6 +104,7 @@ std::map<std::string, std::string> constants_of_code() {
       {"kMostEpochStep", count(kMostEpochStep)},
       {"kEpochGrace", count(kEpochGrace)},
       {"kGoodbyes", count(kGoodbyes)},
+      {"kBetweenGoodbyes", time(kBetweenGoodbyes)},
       {"kMaxTime_ns", power_of_two(kMaxTime_ns)},
       {"kMaxCoordinate_m", power_of_ten(kMaxCoordinate_m)},
       {"kMaxOffUnit", power_of_ten(kMaxOffUnit)},
