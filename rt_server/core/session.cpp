@@ -151,7 +151,9 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
   if (from == candidate_ && probe_echo == probe_token_) {
     client_ = from;
     candidate_.reset();
-    rate_ = RateControl(limits_);  // nothing is known about the new path
+    const bool was_lied_to = rate_.was_lied_to();
+    rate_ = RateControl(limits_);  // nothing is known about the new path, but about the client
+    if (was_lied_to) rate_.distrust();
     path_mtu_ = PathMtu();
     return;
   }

@@ -100,15 +100,15 @@ void SceneSender::accept_all(const std::stop_token& stop) {
 bool SceneSender::start(TcpStream stream) {
   ++counters_.accepted;
   const Peer peer = stream.peer();
-  std::size_t strangers = 0, of_address = 0;
+  std::size_t strangers = 0, of_network = 0;
   Connection* oldest = nullptr;
   for (Connection& connection : connections_) {
     if (connection.key || connection.ended) continue;
     ++strangers;
-    if (connection.peer.address == peer.address) ++of_address;
+    if (is_of_one_network(connection.peer, peer)) ++of_network;
     if (oldest == nullptr) oldest = &connection;
   }
-  const bool drops = of_address >= limits_.strangers_of_address;
+  const bool drops = of_network >= limits_.strangers_of_network;
   if (drops || strangers >= limits_.strangers) ++counters_.dropped;
   if (drops) return false;
   if (strangers >= limits_.strangers) oldest->ended = true;

@@ -16,10 +16,10 @@
 namespace farshade {
 
 struct SenderLimits {
-  std::size_t connections = 16;                      ///< of clients that proved a key
-  std::size_t of_one_key = 4;                        ///< of these
-  std::size_t strangers = 8;                         ///< connections before that; a new one ends the oldest
-  std::size_t strangers_of_address = 4;              ///< of these; a new one is closed
+  std::size_t connections = 16;          ///< of clients that proved a key
+  std::size_t of_one_key = 4;            ///< of these
+  std::size_t strangers = 8;             ///< connections before that; a new one ends the oldest
+  std::size_t strangers_of_network = 4;  ///< of these: an IPv4 address or a /64 of IPv6; a new one is closed
   Duration first_message = std::chrono::seconds(3);  ///< until a client must have proved its key
   Duration silence = std::chrono::seconds(20);  ///< until a client must have asked, or taken what it was sent
   Duration between_accepts = std::chrono::milliseconds(10);

@@ -17,6 +17,14 @@ bool is_unspecified(const Peer& peer) {
   return std::ranges::all_of(address, [](std::uint8_t byte) { return byte == 0; });
 }
 
+bool is_of_one_network(const Peer& a, const Peer& b) {
+  constexpr std::size_t kPrefix_bytes = 8;
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+  const bool is_ipv4 = std::equal(kMapped.begin(), kMapped.end(), a.address.begin());
+  return std::equal(a.address.begin(), is_ipv4 ? a.address.end() : a.address.begin() + kPrefix_bytes,
+                    b.address.begin());
+}
+
 bool is_loopback(const Peer& peer) {
   constexpr std::array<std::uint8_t, 16> kLoopback{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
   return is_v4(peer) ? peer.address[12] == 127 : peer.address == kLoopback;

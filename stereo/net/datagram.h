@@ -41,6 +41,10 @@ inline constexpr std::uint16_t kDefaultPort = 7447;
 /// Whether no other machine can reach the address: 127.0.0.0/8 or ::1.
 [[nodiscard]] bool is_loopback(const Peer& peer);
 
+/// Whether both have one IPv4 address, or IPv6 addresses of one /64: whoever has one of those has all of them
+/// (RFC 4291, 2.5.4).
+[[nodiscard]] bool is_of_one_network(const Peer& a, const Peer& b);
+
 /// Whether the address is one of IPv4.
 [[nodiscard]] bool is_v4(const Peer& peer);
 

@@ -161,7 +161,9 @@ class RateControl {
   /// the first datagram that nothing was heard of it begins to halve every kHalving. The first arrival
   /// restores it. A new session may not send more than a little at its rate.
   [[nodiscard]] double sending_bytes_per_second() const;
-  /// A report has named a skipped counter as arrived.
+  /// Whoever has lied on one path is not trusted on the next one either: the least rate from now on.
+  void distrust();
+  /// A report has named a skipped counter as arrived, or distrust() was called.
   [[nodiscard]] bool was_lied_to() const { return was_lied_to_; }
   /// Share of lost datagrams in the last window, without outages.
   [[nodiscard]] double loss() const { return losses_.loss(); }
@@ -188,7 +190,6 @@ class RateControl {
   void adapt_to_delay(Time now);
   void adapt_to_loss(Time now);
   void raise(double seconds);
-  void distrust();
   void lower_to(double bytes_per_second, Time now);
   /// The rate that the path carries: the received rate, corrected for the base loss.
   [[nodiscard]] std::optional<double> carried() const;

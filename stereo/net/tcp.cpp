@@ -9,6 +9,7 @@
 #include <asio/ip/v6_only.hpp>
 #include <asio/write.hpp>
 #include <iterator>
+#include <thread>
 
 #include "stereo/net/endpoints.h"
 
@@ -191,17 +192,23 @@ std::optional<TcpStream> TcpListener::accept(const Waiting& waiting) {
   std::chrono::milliseconds wait{};
   while (true) {
     poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+    bool failed = false;
     for (std::size_t tried = 0; tried < states_.size(); ++tried) {
       const std::size_t one = next_;
       next_ = (next_ + 1) % states_.size();
       if (watched[one].revents == 0) continue;
-      auto stream = std::make_unique<TcpStream::State>();
-      asio::error_code error, ignored;
-      states_[one]->acceptor.accept(stream->socket, error);
-      if (error) continue;
-      stream->socket.set_option(tcp::no_delay(true), ignored);
-      return TcpStream(std::move(stream));
+      try {
+        auto stream = std::make_unique<TcpStream::State>();
+        asio::error_code ignored;
+        states_[one]->acceptor.accept(stream->socket);
+        stream->socket.set_option(tcp::no_delay(true), ignored);
+        return TcpStream(std::move(stream));
+      } catch (const asio::system_error&) {  // no descriptor is left, or whoever connected has gone again
+        failed = true;
+      }
     }
+    // What waits still waits, so another poll would return at once.
+    if (failed) std::this_thread::sleep_for(kStopPoll);
     const Time now = SteadyClock().now();
     if (now >= waiting.until || (waiting.stopped && waiting.stopped())) return std::nullopt;
     wait = std::chrono::ceil<std::chrono::milliseconds>(std::min(waiting.until - now, kStopPoll));

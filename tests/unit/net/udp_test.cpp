@@ -1,9 +1,12 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <ctime>
 #include <thread>
 #include <vector>
 
@@ -214,6 +217,48 @@ TEST(Tcp, AJoinedListenerAcceptsAtEachAddressInTurn) {
   EXPECT_TRUE(heard);
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(all.accept(soon).has_value());
   EXPECT_FALSE(all.accept({SteadyClock().now() + 1ms}).has_value());
+}
+
+/// Sets the limit of open files to those that are open now, until it is destroyed.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int lowest_free = open("/dev/null", O_RDONLY);
+    close(lowest_free);
+    rlimit none = before_;
+    none.rlim_cur = static_cast<rlim_t>(lowest_free);
+    setrlimit(RLIMIT_NOFILE, &none);
+  }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+  ~NoDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Tcp, AListenerWithoutDescriptorsWaitsAndGoesOn) {
+  auto listener = TcpListener::listen(resolve_tcp("127.0.0.2:0").value().front()).value();
+  const auto stream = connect_tcp(listener.local(), {SteadyClock().now() + kPatience});
+  ASSERT_TRUE(stream.has_value());
+  {
+    const NoDescriptors none;
+    const auto cpu = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+    const double before = cpu();
+    EXPECT_FALSE(listener.accept({SteadyClock().now() + 500ms}).has_value());
+    EXPECT_LT(cpu() - before, 0.2) << "it does not spin";
+  }
+  EXPECT_TRUE(listener.accept({SteadyClock().now() + kPatience}).has_value());
+}
+
+TEST(OneNetwork, IsAnAddressOfIPv4OrASixtyFourOfIPv6) {
+  const auto peer = [](const char* address) { return resolve_udp(address).value().front(); };
+  EXPECT_TRUE(is_of_one_network(peer("192.0.2.1:1"), peer("192.0.2.1:2")));
+  EXPECT_FALSE(is_of_one_network(peer("192.0.2.1:1"), peer("192.0.2.2:1")));
+  EXPECT_TRUE(is_of_one_network(peer("[2001:db8::1]:1"), peer("[2001:db8::ffff:0:1]:2")));
+  EXPECT_FALSE(is_of_one_network(peer("[2001:db8::1]:1"), peer("[2001:db8:0:1::1]:1")));
+  EXPECT_FALSE(is_of_one_network(peer("192.0.2.1:1"), peer("[2001:db8::1]:1")));
 }
 
 TEST(Tcp, ConnectsToTheFirstAddressThatAccepts) {

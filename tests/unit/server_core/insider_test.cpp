@@ -236,6 +236,28 @@ TEST(Insider, WhoReportsArrivalsWithoutLookingGetsTheLeastRate) {
   EXPECT_LT(clients[1].bytes - evil, 200'000u) << "25 kB/s";
 }
 
+TEST(Insider, WhoHasLiedGetsNoRateBackByMoving) {
+  House house;
+  Time now{};
+  std::vector<Hungry> clients;
+  clients.push_back({house.join(kEvilPort, now, kEvil), kEvilPort, true});
+  serve(house, clients, now, 5s);
+  ASSERT_EQ(house.sessions.counters().lied, 1u);
+  Hungry& evil = clients[0];
+  evil.port = kEvilPort + 1;
+  evil.lies = false;
+  const std::size_t before = evil.bytes;
+  for (int i = 0; i < 3; ++i) {
+    house.talk(
+        evil.client, evil.port,
+        evil.client.seal({.request = request_of(++evil.frame, kSize), .probe_echo = evil.client.probe}), now);
+    now += 14ms;
+  }
+  ASSERT_EQ(house.sessions.counters().moved, 1u);
+  serve(house, clients, now, 5s);
+  EXPECT_LT(evil.bytes - before, 200'000u) << "25 kB/s";
+}
+
 TEST(Insider, WhoSeesAHelloCannotRegisterItUnderItsOwnKey) {
   House house;
   LinkClient good(kGood, kServed);
