@@ -148,7 +148,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   Expected<gpu::Device> device = opening.get();
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
-  gpu::load_pipelines(client->device, cache_folder());
+  client->is_first_start = !gpu::load_pipelines(client->device, cache_folder());
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
   stages.end("device");
   return client;

@@ -23,6 +23,7 @@ struct Client {
   ScenePlan plan;
   SceneLevels levels;  ///< empty: everything is drawn in full detail
   gpu::Device device;
+  bool is_first_start = false;  ///< no start on this machine has kept its pipelines yet
   RendererLimits limits;
   std::unique_ptr<Renderer> renderer;     ///< with these limits
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference

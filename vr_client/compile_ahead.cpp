@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "stereo/base/user_folders.h"
 #include "stereo/gpu/pipeline_cache.h"
@@ -26,7 +27,11 @@ using Steps = std::vector<std::function<void()>>;
 /// Numbers of steps, which two threads take from both ends.
 class StepNumbers {
  public:
-  explicit StepNumbers(std::size_t count) : end_(count) {}
+  /// Both threads say how many there are, which is the same; whichever comes first.
+  void begin(std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(has_begun_, true)) end_ = count;
+  }
   std::optional<std::size_t> take_first() {
     const std::lock_guard lock(mutex_);
     return first_ < end_ ? std::optional(first_++) : std::nullopt;
@@ -38,21 +43,22 @@ class StepNumbers {
 
  private:
   std::mutex mutex_;
-  std::size_t first_ = 0, end_;
+  bool has_begun_ = false;
+  std::size_t first_ = 0, end_ = 0;
 };
 
 class ShownProgress {
  public:
-  explicit ShownProgress(std::size_t all) : all_(all) {}
+  ShownProgress() = default;
   ~ShownProgress() {
     if (on_terminal_) fmt::print(stderr, "\x1b[K");
   }
   ShownProgress(const ShownProgress&) = delete;
   ShownProgress& operator=(const ShownProgress&) = delete;
   /// Any thread may call it. Returns the progress in words.
-  std::string add_one() {
+  std::string add_one(std::size_t all) {
     const std::lock_guard lock(mutex_);
-    std::string words = fmt::format("compiling pipelines: {} of {}", ++done_, all_);
+    std::string words = fmt::format("compiling pipelines: {} of {}", ++done_, all);
     if (!on_terminal_) return words;
     // The cursor stays at the beginning of the line, so that whatever is printed next replaces it.
     fmt::print(stderr, "\x1b[K{}\r", words);
@@ -62,7 +68,7 @@ class ShownProgress {
 
  private:
   std::mutex mutex_;
-  std::size_t done_ = 0, all_;
+  std::size_t done_ = 0;
   const bool on_terminal_ = isatty(STDERR_FILENO) != 0;
 };
 
@@ -71,9 +77,10 @@ bool has_two_cores() {
   return ::sched_getaffinity(0, sizeof cores, &cores) == 0 && CPU_COUNT(&cores) > 1;
 }
 
-/// Whether a second device would help, and has the memory for a copy of the scene. The first step is over.
-bool may_help(const Client& client, Duration first_step) {
-  return client.device.is_cpu && has_two_cores() && first_step > kCold &&
+/// Whether a second device would help if there is much to compile, and has the memory for a copy of the
+/// scene.
+bool may_help(const Client& client) {
+  return client.device.is_cpu && has_two_cores() &&
          client_memory(client.scene, client.plan.draw, client.limits, client.levels).total() <=
              kMostCopied_bytes;
 }
@@ -86,9 +93,10 @@ void compile_beside(const Client& client, const std::function<Steps(Renderer&)>&
   // With the same limits: lavapipe's code depends on whether the sides of textures are powers of two.
   Renderer renderer(*device, client.scene, client.plan.draw, client.limits, client.levels);
   const Steps steps = steps_of(renderer);
+  numbers.begin(steps.size());
   while (const auto number = numbers.take_last()) {
     steps[*number]();
-    progress.add_one();
+    progress.add_one(steps.size());
   }
 } catch (const std::exception& error) {
   spdlog::debug("pipelines are compiled on one device: {}", error.what());
@@ -102,21 +110,26 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
   const auto steps_of = [&](Renderer& renderer) {
     return renderer.compile_steps(carry_over, report, changes);
   };
-  const Steps steps = steps_of(*client.renderer);
   {
-    StepNumbers numbers(steps.size());
-    ShownProgress progress(steps.size());
-    std::vector<bool> done(steps.size(), false);
+    StepNumbers numbers;
+    ShownProgress progress;
     std::jthread beside;
+    const auto start_beside = [&] {
+      beside = std::jthread([&] { compile_beside(client, steps_of, numbers, progress); });
+    };
+    const bool helps = may_help(client);
+    if (helps && client.is_first_start) start_beside();
+    const Steps steps = steps_of(*client.renderer);
+    numbers.begin(steps.size());
+    std::vector<bool> done(steps.size(), false);
     while (const auto number = numbers.take_first()) {
       const Stopwatch step;
       steps[*number]();
-      const Duration took = step.elapsed();
+      const bool is_cold = step.elapsed() > kCold;
       done[*number] = true;
-      const std::string words = progress.add_one();
+      const std::string words = progress.add_one(steps.size());
       if (tell) tell(words);
-      if (*number == 0 && may_help(client, took))
-        beside = std::jthread([&] { compile_beside(client, steps_of, numbers, progress); });
+      if (helps && is_cold && !beside.joinable()) start_beside();
     }
     if (beside.joinable()) beside.join();
     for (std::size_t i = 0; i < steps.size(); ++i)

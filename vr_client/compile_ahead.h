@@ -15,7 +15,8 @@ using TellWaiting = std::function<void(const std::string&)>;
 /// its progress on a terminal, and to `tell`, on the calling thread.
 ///
 /// Lavapipe compiles in its only queue, one pipeline after another. If there are more cores, a second device
-/// compiles the last pipelines meanwhile, and lavapipe's cache on disk brings them to the first device.
+/// compiles the last pipelines meanwhile, and lavapipe's cache on disk brings them to the first device: from
+/// the beginning in the first start on a machine, otherwise once a step has taken long.
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes,
                    const TellWaiting& tell = {});
 

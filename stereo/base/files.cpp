@@ -148,7 +148,8 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t m
 }
 
 bool is_private(unsigned mode, unsigned owner, unsigned reader) {
-  const unsigned of_others = mode & (S_IRWXG | S_IRWXO) & ~(S_IXGRP | S_IXOTH);
+  constexpr unsigned kOthersReadOrWrite = S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH;
+  const unsigned of_others = mode & kOthersReadOrWrite;
   return of_others == 0 || (of_others == S_IRGRP && owner == 0 && reader != 0);
 }
 
