@@ -111,6 +111,12 @@ Expected<void> end_without_shadows(const ServeOptions& options) {
   return write_ready_file(options, std::string(kReadyNoShadows) + "\n");
 }
 
+void print_what_is_served(const Scene& scene, const ScenePlan& plan, const Tracer& tracer) {
+  say(fmt::format("rt_server: serving {}, {} triangles, {} lights, scene {}", scene.name,
+                  scene.triangle_count, plan.trace.mask.lights, short_form(scene.hash)));
+  say(fmt::format("rt_server: the tracer holds {}", in_words(tracer.memory())));
+}
+
 void print_keys(const ServeOptions& options, std::size_t keys) {
   if (options.insecure)
     say("rt_server: insecure: any client on this machine may connect, nothing is encrypted");
@@ -306,9 +312,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                                 .exposure = served.exposure,
                                 .memory = options.limits.memory}),
                   *server->port, clock, options.limits);
-  say(fmt::format("rt_server: serving {}, {} triangles, {} lights, scene {}", scene.name,
-                  scene.triangle_count, plan.trace.mask.lights, short_form(scene.hash)));
-  say(fmt::format("rt_server: the tracer holds {}", in_words(tracer->memory())));
+  print_what_is_served(scene, plan, *tracer);
   print_keys(options, ring->size());
   const auto sender = offer_scene(options, server->addresses,
                                   {options.scene, scene.files, options.lighting, served, *ring}, core);
