@@ -10,6 +10,7 @@
 #include "vr_client/mirror.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/openxr/headset_runtime.h"
+#include "vr_client/placed_head.h"
 #include "vr_client/preview/headset_controls.h"
 #include "vr_client/preview/recordings.h"
 #include "vr_client/record/capture_writer.h"
@@ -230,6 +231,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   const Expected<std::unique_ptr<Client>> opened = open_for(options, stages);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
+  const std::future<void> judging = judge_start_meanwhile(options, client.scene);
   HeadsetReport report(options, client, stages);
   SessionKeeper keeper;
   Controls controls = headset_controls(options, report_of(options));

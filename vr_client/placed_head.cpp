@@ -7,6 +7,7 @@
 
 #include "stereo/exposure/chosen_exposure.h"
 #include "stereo/exposure/picture_check.h"
+#include "stereo/head/reader.h"
 #include "stereo/placement/fit.h"
 #include "stereo/placement/surroundings.h"
 
@@ -188,6 +189,18 @@ std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const 
                                                   HeadRecording recording) {
   return std::async(std::launch::async, [&options, &scene, recording = std::move(recording)] {
     return place_head(options, scene, recording);
+  });
+}
+
+std::future<void> judge_start_meanwhile(const Options& options, const Scene& scene) {
+  return std::async(std::launch::async, [&options, &scene] {
+    const Expected<Surroundings> surroundings = Surroundings::create(scene);
+    if (!surroundings) return;
+    HeadRecording still;
+    still.samples = {{}, {.time = Time(std::chrono::seconds(1)), .recorded_from_head = {}}};
+    still.fov = kDefaultFov;
+    PlacedHead start{still, place(still, viewpoint_of(scene, options.stand))};
+    judge_light(options, scene, *surroundings, start);
   });
 }
 

@@ -28,4 +28,8 @@ struct PlacedHead {
 [[nodiscard]] std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,
                                                                 HeadRecording recording);
 
+/// Tells what is wrong with the light where a viewer without a recording starts, unless the scene is too
+/// large to look at. On a thread of its own; keeps references; the future's destructor waits.
+[[nodiscard]] std::future<void> judge_start_meanwhile(const Options& options, const Scene& scene);
+
 }  // namespace farshade

@@ -355,6 +355,8 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kWidestEyes_m), stages);
   if (!client) return tl::unexpected(client.error());
   std::future<Expected<PlacedHead>> placing;
+  const std::future<void> judging =
+      *recording ? std::future<void>() : judge_start_meanwhile(options, (*client)->scene);
   if (*recording) placing = place_meanwhile(options, (*client)->scene, **std::move(recording));
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
   open_renderer(**client, renderer_limits(options));

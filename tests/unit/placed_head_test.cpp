@@ -2,6 +2,10 @@
 #include "vr_client/placed_head.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
 
 #include "stereo/placement/head_test.h"
 #include "tests/oracle/scene_builder.h"
@@ -19,8 +23,9 @@ HeadRecording walk() {
 }
 
 /// A hall with a block in it. The camera is in the block, or beside it.
-Scene hall(bool in_block) {
+Scene hall(bool in_block, std::optional<glm::dvec3> lamp = {}) {
   SceneBuilder builder;
+  if (lamp) builder.point_light(*lamp);
   builder.add(quad({0, 0, 0}, {0, 0, 6}, {6, 0, 0}));
   for (const float side : {-1.0f, 1.0f}) {
     builder.add(quad({0, 2, 6 * side}, {6, 0, 0}, {0, 2, 0}));
@@ -82,6 +87,27 @@ TEST(PlacedHead, IsAtTheCameraIfThatIsGoodOrIfTheUserSaysSo) {
   stands.stand = Stand{.at = {{0, 1.6, 0}}, .heading_rad = std::nullopt};
   EXPECT_LT(glm::length(start_of(placed(hall(false), stands)) - glm::dvec3(0, 1.6, 0)), 1e-9)
       << "a place that the user names is kept";
+}
+
+/// What is logged while a viewer without a recording starts in the scene.
+std::string said_at_start(const Options& options, const Scene& scene) {
+  std::ostringstream said;
+  const std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  judge_start_meanwhile(options, scene).wait();
+  spdlog::set_default_logger(before);
+  return said.str();
+}
+
+TEST(PlacedHead, TheStartOfAViewerWithoutARecordingIsLookedAtToo) {
+  const Scene lit = hall(false, glm::dvec3(0, 3, 3));
+  Options dark;
+  dark.lighting.exposure = 1e-9f;
+  const Scene darkened = light_scene(lit, dark.lighting).value().scene;
+  const std::string said_of_dark = said_at_start(dark, darkened), said_of_lit = said_at_start({}, lit);
+  EXPECT_NE(said_of_dark.find("is black"), std::string::npos) << said_of_dark;
+  EXPECT_EQ(said_of_lit.find("black"), std::string::npos) << said_of_lit;
 }
 
 /// At full size, the walk of 0.8 m leads away from it at once.

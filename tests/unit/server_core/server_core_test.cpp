@@ -389,6 +389,45 @@ TEST(Serving, GivesUpTheAnswerInWorkWhenItEnds) {
   EXPECT_EQ(core.counters().given_up, 1u);
 }
 
+/// Nothing interrupts a graphics device.
+TEST(Serving, DoesNotWaitForAnAnswerThatCannotBeGivenUp) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  auto connected = connect_udp(to_string((*port)->local()));
+  ASSERT_TRUE(connected.has_value());
+  std::latch drawing(1), drawn(1);
+  const auto answer = [&](const Job&, FramePacker&) -> AnswerCost {
+    drawing.count_down();
+    drawn.wait();
+    return {};
+  };
+  const SteadyClock clock;
+  ServerCore core(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), **port, clock);
+  PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
+  {
+    Serving serving(core);
+    ASSERT_TRUE(client.meet(60s));
+    client.say(client.ask(request(1)));
+    drawing.wait();
+    const Stopwatch watch;
+    EXPECT_FALSE(serving.end(200ms));
+    EXPECT_GE(watch.elapsed(), 200ms);
+    core.say_goodbye();  // meanwhile
+    EXPECT_EQ(core.counters().sessions_open, 1u);
+    drawn.count_down();
+  }
+  EXPECT_EQ(core.counters().frames, 1u);
+}
+
+TEST(Serving, EndsInTimeWithoutAnAnswerInWork) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  const SteadyClock clock;
+  ServerCore core(kServed, kTwoKeys, masks_from(paint), **port, clock);
+  Serving serving(core);
+  EXPECT_TRUE(serving.end(60s));
+}
+
 TEST(Serving, EndsWhileNothingHappens) {
   auto port = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(port.has_value());
