@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/frame/position_grid.h"
