@@ -177,6 +177,7 @@ class KeysInUse {
     is_read_ = ring.has_value();
     if (ring) ring_ = *std::move(ring);
     use();
+    if (is_read_ && !ring_.empty()) complaint_.clear();
     if (!is_read_)
       complain("nobody new is admitted, because the key ring cannot be read: " + ring.error().what);
     else if (ring_.empty())
@@ -283,7 +284,7 @@ Welcome welcome_of(const ServeOptions& options, const Scene& scene, const SceneP
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   const SteadyClock clock;
   Stages stages(clock);
-  std::optional<StopSignal::EndsAtOnce> starting(stop);
+  std::optional<StopSignal::EndsAtOnce> starting(std::in_place, stop, StopSignal::Ending::Success);
   if (Expected<void> removed = remove_ready_file(options); !removed) return removed;
   Expected<LitScene> loaded =
       load_lit_scene(options.scene, options.lighting, options.scene_fetch ? ListFiles::Yes : ListFiles::No);

@@ -33,6 +33,7 @@ constexpr const char* kFooter =
     "  0  SIGINT (Ctrl-C) or SIGTERM ended the server, or the subcommand succeeded\n"
     "  1  the server could not start, or the subcommand failed; standard error says why\n"
     "  2  the command line or the configuration file is wrong\n"
+    "  130, 143  SIGINT or SIGTERM ended rt_server inspect\n"
     "\n"
     "Signals: SIGUSR1 prints the counters, SIGHUP reads the key ring again.\n"
     "\n"
@@ -148,7 +149,7 @@ int main(int argc, char** argv) try {
   } else if (app.got_subcommand("pair")) {
     done = pair_client(paired, stop);
   } else if (app.got_subcommand("inspect")) {
-    const StopSignal::EndsAtOnce working(stop);
+    const StopSignal::EndsAtOnce working(stop, StopSignal::Ending::BySignal);
     done = inspect(inspected).map(print);
   } else {
     std::signal(SIGPIPE, SIG_IGN);  // whoever read the output has ended, and the clients have not

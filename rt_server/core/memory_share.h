@@ -1,8 +1,8 @@
 /// MemoryShare: how much memory clients may make the server hold. Half of the limit is for what waits: the
 /// sessions, the parts of requests and the datagrams of answers. Half of that is divided among the keys, so
 /// that other keys, however many work together, cannot take it; the other half goes to whoever comes first.
-/// One key of several has at most half of what waits. The other half is for the answer in the making, of
-/// which there is one.
+/// One key of several has at most half of what waits. The second half of the limit is for the answer in the
+/// making, of which there is one.
 #pragma once
 
 #include <cstdint>

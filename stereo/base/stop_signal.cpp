@@ -14,11 +14,12 @@ constexpr Duration kLook = std::chrono::seconds(1);
 
 }  // namespace
 
-StopSignal::EndsAtOnce::EndsAtOnce(StopSignal& stop)
-    : waits_([&stop](const std::stop_token& over) {
+StopSignal::EndsAtOnce::EndsAtOnce(StopSignal& stop, Ending ending)
+    : waits_([&stop, ending](const std::stop_token& over) {
         constexpr timespec kStep{.tv_sec = 0, .tv_nsec = 20'000'000};
         while (!over.stop_requested())
-          if (sigtimedwait(&stop.signals_, nullptr, &kStep) > 0) std::_Exit(EXIT_SUCCESS);
+          if (const int signal = sigtimedwait(&stop.signals_, nullptr, &kStep); signal > 0)
+            std::_Exit(ending == Ending::Success ? EXIT_SUCCESS : 128 + signal);
       }) {}
 
 StopSignal::StopSignal(Hangup hangup) {

@@ -23,11 +23,17 @@ class StopSignal {
   /// From here on, SIGINT and SIGTERM do in this thread what they did before.
   ~StopSignal();
 
-  /// While it lives, SIGINT and SIGTERM end the process at once, with status 0: for long work that nobody
-  /// polls and that leaves nothing behind. The other functions must not be called meanwhile.
+  /// The exit status of a program that a signal has ended.
+  enum class Ending : std::uint8_t {
+    Success,   ///< 0: it was to run until then
+    BySignal,  ///< 128 and the signal's number, as a shell gives it: it has not done its work
+  };
+
+  /// While it lives, SIGINT and SIGTERM end the process at once: for long work that nobody polls and that
+  /// leaves nothing behind. The other functions must not be called meanwhile.
   class EndsAtOnce {
    public:
-    explicit EndsAtOnce(StopSignal& stop);
+    explicit EndsAtOnce(StopSignal& stop, Ending ending);
 
    private:
     std::jthread waits_;

@@ -52,19 +52,19 @@ TEST_P(StopSignalTest, AReportRequestEndsNothing) {
 }
 
 TEST_P(StopSignalTest, EndsWorkThatNobodyPolls) {
-  EXPECT_EXIT(
-      {
-        StopSignal stop;
-        const StopSignal::EndsAtOnce working(stop);
-        kill(getpid(), GetParam());
-        std::this_thread::sleep_for(std::chrono::seconds(200));
-      },
-      testing::ExitedWithCode(0), "");
+  const auto work = [](StopSignal::Ending ending) {
+    StopSignal stop;
+    const StopSignal::EndsAtOnce working(stop, ending);
+    kill(getpid(), GetParam());
+    std::this_thread::sleep_for(std::chrono::seconds(200));
+  };
+  EXPECT_EXIT(work(StopSignal::Ending::Success), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(work(StopSignal::Ending::BySignal), testing::ExitedWithCode(128 + GetParam()), "");
 }
 
 TEST_P(StopSignalTest, ComesToTheProgramAgainAfterSuchWork) {
   StopSignal stop;
-  { const StopSignal::EndsAtOnce working(stop); }
+  { const StopSignal::EndsAtOnce working(stop, StopSignal::Ending::Success); }
   raise(GetParam());
   EXPECT_TRUE(stop.has_come());
 }
