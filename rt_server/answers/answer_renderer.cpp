@@ -58,6 +58,7 @@ AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
                          .state = *state_,
                          .masks = {&*mask_, 1},
                          .carry_over = {.lookup = Lookup::Direct}};
+  go_on_with(job);
   const DrawTimes drawn = renderer.draw(shown);
   return {renderer, frame_, shown, {.traced = traced, .draw = drawn.total}};
 }

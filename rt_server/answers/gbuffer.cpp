@@ -10,10 +10,12 @@ class GBufferAnswer final : public AnswerMaker {
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job);
+    go_on_with(job);
     const Stopwatch reading;
     drawn.renderer.read_gbuffer(planes_);
     AnswerCost cost = drawn.cost;
     cost.draw += reading.elapsed();
+    go_on_with(job);
     packer.add(drawn.frame);
     packer.add(job.request.frame, planes_);
     return cost;

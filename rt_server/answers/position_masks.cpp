@@ -17,7 +17,7 @@ class PositionMasks final : public AnswerMaker {
     const PositionGrid grid = grid_of({bounds.low}, {bounds.high}, job.request.answer.position_bits);
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.parts) {
-      if (job.is_given_up && job.is_given_up()) throw TraceGivenUp();
+      go_on_with(job);
       unpack(message);
     }
     const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_, job.is_given_up)};

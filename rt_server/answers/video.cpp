@@ -79,9 +79,11 @@ class CodedAnswer final : public AnswerMaker {
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job);
     AnswerCost cost = drawn.cost;
+    go_on_with(job);
     const Stopwatch drawing;
     const Eyes eyes = picture_(drawn);
     cost.draw += drawing.elapsed();
+    go_on_with(job);
     cost.coding = streams_.code(job, eyes, packer);
     return cost;
   }

@@ -31,6 +31,15 @@ class AnswerMaker {
   virtual AnswerCost answer(const Job& job, FramePacker& packer) = 0;
 };
 
+/// Work on an answer was given up between two of its stages.
+struct AnswerGivenUp : std::runtime_error {
+  AnswerGivenUp() : std::runtime_error("work on it was given up") {}
+};
+/// Throws AnswerGivenUp if `job` is to be given up. Makers call it before each stage that nothing interrupts.
+inline void go_on_with(const Job& job) {
+  if (job.is_given_up && job.is_given_up()) throw AnswerGivenUp();
+}
+
 /// `answers` cannot be made any more, whatever is requested. what() is a sentence for the log.
 struct AnswersLost : std::runtime_error {
   AnswersLost(AnswerSet lost, const std::string& why) : std::runtime_error(why), answers(lost) {}

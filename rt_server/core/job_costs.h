@@ -2,8 +2,8 @@
 /// it begins. A value without clocks.
 ///
 /// Views of kUsualPixels or fewer are never refused and never given up for others, however slow the machine
-/// is: their cost is bounded by their size, and turns by key (key_ledger.h) divide it fairly. Larger views
-/// are a wish that the server grants if it can: while clients of other keys are connected, a job that is
+/// is: their cost is bounded by their size, and turns by key (turns.h) divide it fairly. Larger views
+/// are a wish that the server grants if it can: while a client of another key is present, a job that is
 /// expected to take more than kMostTurn is not begun, and one that has taken so long is given up when a
 /// client of another key waits. Without other keys nothing is refused.
 #pragma once
@@ -18,11 +18,13 @@
 
 namespace farshade {
 
-/// Of one eye: 1024 x 1024, four times the size that vr_client requests without --size.
-inline constexpr std::uint64_t kUsualPixels = std::uint64_t{1} << 20;
+/// Of one eye: 640 x 640, the size that vr_client requests without --size, with its widest guard band.
+inline constexpr std::uint64_t kUsualPixels = std::uint64_t{640} * 640;
 /// 14 frames of a display at 72 Hz. A client that asks again only when its masks have come leaves a moment in
 /// which another key may begin such a job, so it may wait for one with each of its masks.
 inline constexpr Duration kMostTurn = std::chrono::milliseconds(200);
+/// A client is present if it was heard so recently.
+inline constexpr Duration kPresent = std::chrono::seconds(1);
 
 struct JobSize {
   Answer answer{};

@@ -7,7 +7,6 @@
 #include <map>
 #include <utility>
 
-#include "rt_server/core/job_costs.h"
 #include "rt_server/core/token_bucket.h"
 #include "stereo/wire/key_file.h"
 
@@ -26,14 +25,11 @@ struct KeyHandshakes {
 struct KeyAccount {
   KeyAccount(double handshakes_per_second, std::size_t keys) : handshakes(handshakes_per_second, keys) {}
 
-  /// Time of the worker. A key that had nothing to do starts again at the value of the others.
-  Duration work{};
-  std::uint64_t served = 0;      ///< number of jobs of all clients when this key was last served
-  std::uint64_t sent_bytes = 0;  ///< sealed datagrams of its answers, counted like `work`
-  Duration session_work{};       ///< ClientSession::Turn::work of its session that was served last
+  /// Sealed datagrams of its answers. A key that had nothing to do starts again at the value of the others.
+  std::uint64_t sent_bytes = 0;
+  Duration session_work{};  ///< ClientSession::Turn::work of its session that was served last
   KeyHandshakes handshakes;
   std::size_t held_bytes = 0;  ///< memory of its sessions
-  JobCosts costs;
 };
 
 /// The part of `held` that is more than `guaranteed`.

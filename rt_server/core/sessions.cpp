@@ -135,7 +135,7 @@ void Sessions::begin_session(const SharedKey& key, const Peer& client, const Hel
   sessions_.emplace_back(key, client, hello.client, accepted, now, limits_up_to(limits_.bytes_per_second),
                          served_);
   if (key.limits.bytes_per_second) share_limits();
-  sessions_.back().turn = {ledger_.of(hello.key).session_work, jobs_};
+  sessions_.back().turn = {ledger_.of(hello.key).session_work, turns_.jobs()};
   hold(sessions_.back(), 0);
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
   const Time end = end_of(sessions_.back()) + Duration(1);
@@ -245,6 +245,7 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   }
   if (!received) return refuse(received.error());
   was_opened_ = true;
+  if (session->ready_at()) turns_.was_active(session->key(), now);
   count(*received);
   return {};
 }
@@ -347,35 +348,32 @@ void Sessions::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_day
     return !gate_.ring().contains(session.key());
   });
   ledger_.keep(gate_.ring());
+  turns_.keep(gate_.ring());
   share_limits();
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
   ClientSession* next = nullptr;
   const auto order = [&](const ClientSession& session) {
-    const KeyAccount& account = ledger_.of(session.key());
-    return std::tuple(account.work, account.served, session.turn);
+    return std::pair(turns_.order(session.key()), session.turn);
   };
   for (ClientSession& session : sessions_) {
-    if (!session.is_ready(now)) continue;
-    KeyAccount& account = ledger_.of(session.key());
-    account.work = std::max(account.work, work_);
-    session.turn.work = std::max(session.turn.work, account.session_work);
+    const std::optional<Time> begins = begins_at(session);
+    if (!begins || *begins > now) continue;
+    session.turn.work = std::max(session.turn.work, ledger_.of(session.key()).session_work);
     if (next == nullptr || order(session) < order(*next)) next = &session;
   }
   if (next == nullptr) return std::nullopt;
-  KeyAccount& account = ledger_.of(next->key());
-  work_ = account.work;
-  account.session_work = next->turn.work;
-  account.served = next->turn.served = ++jobs_;
+  ledger_.of(next->key()).session_work = next->turn.work;
+  next->turn.served = turns_.begin(next->key());
   const std::size_t before = next->bytes();
   Job job = next->take_job();
   hold(*next, before);
   in_work_ = {next->id(), next->key(), size_of(job.request), now};
-  job.is_too_costly = is_too_costly(account, *in_work_);
+  job.is_too_costly = is_too_costly(*in_work_);
   if (job.is_too_costly) {
     ++counters_.too_costly;
-    account.costs.was_refused(in_work_->size, now);
+    turns_.costs(next->key()).was_refused(in_work_->size, now);
   }
   if (answer_bytes(job.request, served_.light_count) > limits_.memory.in_work()) {
     job.is_too_costly = true;
@@ -384,10 +382,18 @@ std::optional<Job> Sessions::next_job(Time now) {
   return job;
 }
 
-bool Sessions::is_too_costly(const KeyAccount& account, const InWork& job) const {
-  if (job.size.is_usual || account.costs.estimate(job.size) <= kMostTurn) return false;
-  return std::ranges::any_of(sessions_,
-                             [&](const ClientSession& session) { return session.key() != job.key; });
+/// When the session's request is ready, and no longer held for the sake of another key.
+std::optional<Time> Sessions::begins_at(const ClientSession& session) const {
+  const std::optional<Time> ready = session.ready_at();
+  if (!ready) return std::nullopt;
+  return std::max(*ready, turns_.held_until(session.key(), size_of(session.next_request())).value_or(*ready));
+}
+
+bool Sessions::is_too_costly(const InWork& job) {
+  if (job.size.is_usual || turns_.costs(job.key).estimate(job.size) <= kMostTurn) return false;
+  return std::ranges::any_of(sessions_, [&](const ClientSession& session) {
+    return session.key() != job.key && job.begun - session.last_received() <= kPresent;
+  });
 }
 
 bool Sessions::gives_up(Time now) const {
@@ -403,7 +409,7 @@ void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, D
                    JobEnd end) {
   ClientSession* const session = find(id);
   const bool is_in_work = in_work_ && in_work_->session == id;
-  if (is_in_work && gate_.ring().contains(in_work_->key)) charge(work, end);
+  if (is_in_work && gate_.ring().contains(in_work_->key)) charge(work, now, end);
   if (session == nullptr) return;
   session->turn.work += work;
   due_at_.reset();
@@ -446,13 +452,15 @@ void Sessions::hold(const KeyId& key, std::size_t now, std::size_t before) {
 }
 
 /// The key owes the work of the job in work, even if its session has ended.
-void Sessions::charge(Duration work, JobEnd end) {
-  KeyAccount& account = ledger_.of(in_work_->key);
-  account.work += work;
+void Sessions::charge(Duration work, Time now, JobEnd end) {
+  for (const ClientSession& session : sessions_)
+    if (session.is_ready(now)) turns_.was_active(session.key(), now);
+  turns_.end(in_work_->key, work, now);
+  JobCosts& costs = turns_.costs(in_work_->key);
   if (end == JobEnd::Answered)
-    account.costs.took(in_work_->size, work);
+    costs.took(in_work_->size, work);
   else if (work > kMostTurn)
-    account.costs.was_given_up(in_work_->size, work);
+    costs.was_given_up(in_work_->size, work);
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
@@ -495,7 +503,7 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
 std::optional<Time> Sessions::job_at() const {
   std::optional<Time> earliest;
   for (const ClientSession& session : sessions_)
-    if (const std::optional<Time> at = session.ready_at(); at && (!earliest || *at < *earliest))
+    if (const std::optional<Time> at = begins_at(session); at && (!earliest || *at < *earliest))
       earliest = at;
   return earliest;
 }

@@ -2,8 +2,8 @@
 /// threads or clocks.
 ///
 /// The server stores only the newest request of each client. It counts the requests that a newer one
-/// replaced. The key on whose clients the least work was spent is served next (key_ledger.h), and of its
-/// sessions the one on which the least was spent; among equals, the one that was served longest ago. A full
+/// replaced. The key on whose clients the least work was spent is served next (turns.h), and of its sessions
+/// the one on which the least was spent; among equals, the one that was served longest ago. A full
 /// server takes a session from the key that has the most. Memory is bounded: the number of sessions and the
 /// size of each are.
 #pragma once
@@ -21,6 +21,7 @@
 #include "rt_server/core/key_ledger.h"
 #include "rt_server/core/memory_share.h"
 #include "rt_server/core/session.h"
+#include "rt_server/core/turns.h"
 
 namespace farshade {
 
@@ -188,10 +189,10 @@ class Sessions {
   Newcomers newcomers_ = Newcomers::Admitted;
   mutable std::optional<std::optional<Time>> due_at_;  ///< no value: to be found anew
   bool was_opened_ = false;
-  std::uint64_t jobs_ = 0;
   KeyLedger ledger_;
-  Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value
-  std::uint64_t sent_ = 0;  ///< KeyAccount::sent_bytes of the key sent to last, as for work_
+  Turns turns_;
+  std::uint64_t sent_ = 0;  ///< KeyAccount::sent_bytes of the key sent to last: a key that had nothing to do
+                            ///< starts at this value
   Time may_send_at_{};      ///< because of the limit of all sessions together
   /// The job that the worker has. Its key owes its work even if the session ends meanwhile.
   struct InWork {
@@ -201,8 +202,9 @@ class Sessions {
     Time begun;
   };
   std::optional<InWork> in_work_;
-  [[nodiscard]] bool is_too_costly(const KeyAccount& account, const InWork& job) const;
-  void charge(Duration work, JobEnd end);
+  [[nodiscard]] std::optional<Time> begins_at(const ClientSession& session) const;
+  [[nodiscard]] bool is_too_costly(const InWork& job);
+  void charge(Duration work, Time now, JobEnd end);
   [[nodiscard]] std::size_t room_for(const KeyId& key);
   void hold(const ClientSession& session, std::size_t before);
   void hold(const KeyId& key, std::size_t now, std::size_t before);

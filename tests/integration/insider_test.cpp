@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kHonest = kSanitized ? 3s : 15s;
-const Duration kAttack = std::chrono::seconds(kSanitized ? 20 : nightly(40, 120));  // a play takes 1 s
+const Duration kAttack = std::chrono::seconds(kSanitized ? 20 : nightly(44, 132));  // a play takes 1 s
 /// Both take turns, so that whatever else the machine does meanwhile falls upon both.
 constexpr int kTurns = kSanitized ? 1 : 4;
 constexpr Duration kInterval = std::chrono::microseconds(13'889);

@@ -42,7 +42,8 @@ void InsiderAttack::run(const std::atomic<bool>& over) {
       &InsiderAttack::wild_codings,       &InsiderAttack::jump_counters,
       &InsiderAttack::flood_victim,       &InsiderAttack::report_nothing,
       &InsiderAttack::hold_memory,        &InsiderAttack::report_without_looking,
-      &InsiderAttack::ask_for_everything, &InsiderAttack::jump_fields};
+      &InsiderAttack::ask_for_everything, &InsiderAttack::jump_fields,
+      &InsiderAttack::ask_for_pictures};
   const SteadyClock clock;
   for (; !over; ++rounds_) {
     const auto play = plays[rounds_ % plays.size()];
@@ -206,6 +207,20 @@ void InsiderAttack::ask_for_everything() {
   for (int i = 0; i < 4; ++i) {
     Socket& socket = joined(next_++);
     say(socket, RequestMessage{.request = next_request(socket, {side, side})});
+  }
+}
+
+void InsiderAttack::ask_for_pictures() {
+  constexpr std::array kinds{Answer::GBuffer, Answer::Difference};
+  for (std::size_t i = 0; i < 4; ++i) {
+    Socket& socket = joined(4 * (rounds_ % (kSockets / 4)) + i);  // other sessions in each round
+    RequestMessage message{.request = next_request(socket, i == 0 ? Extent{1024, 1024} : kUsual)};
+    message.request.answer.kind = kinds[i % kinds.size()];
+    if (is_video(message.request.answer.kind)) {
+      message.request.answer.bits_per_second = kLeastVideo_bits;
+      message.request.answer.interval = 14ms;
+    }
+    say(socket, message);
   }
 }
 

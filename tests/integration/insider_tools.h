@@ -28,12 +28,12 @@ class InsiderAttack {
   /// Plays that have ended. Any thread may call it.
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
 
-  static constexpr std::size_t kPlays = 10;
+  static constexpr std::size_t kPlays = 11;
   /// In the order in which they are played; after the last comes the first.
   static constexpr std::array<std::string_view, kPlays> kNames{
-      "sessions begun anew",   "known tiles again", "sizes and bit rates", "counters that jump",
-      "a flood at the client", "nothing reported",  "memory held",         "arrivals made up",
-      "the largest views",     "fields that jump"};
+      "sessions begun anew",   "known tiles again", "sizes and bit rates",   "counters that jump",
+      "a flood at the client", "nothing reported",  "memory held",           "arrivals made up",
+      "the largest views",     "fields that jump",  "answers that take long"};
 
  private:
   /// Datagrams before the attacker waits until the server has handled them: more would overflow the server's
@@ -60,6 +60,7 @@ class InsiderAttack {
   void hold_memory();         // 9: positions that are never complete
   void ask_for_everything();  // 10: the largest views
   void jump_fields();         // 11: requests of every kind, with any frame numbers, times, sizes and rates
+  void ask_for_pictures();    // 12: of the usual size, which are never refused, and larger
 
   Socket& joined(std::size_t i);
   void join(Socket& socket);

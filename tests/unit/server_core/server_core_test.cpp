@@ -211,7 +211,7 @@ TEST(ServerCore, GivesUpALongAnswerForAClientThatWaitsAndSendsItsReport) {
       }
     }
     ended = clock.now();
-    if (clock.now() < Time(1min)) throw TraceGivenUp();
+    go_on_with(job);
     return AnswerCost{};
   };
   core.emplace(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), link.server(), clock);
