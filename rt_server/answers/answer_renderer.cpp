@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "stereo/frame/tiles.h"
@@ -35,12 +36,16 @@ Renderer& AnswerRenderer::renderer_for(const Job& job) {
       throw AnswersLost(kDrawnAnswers, opened.error().what);
   if (std::unique_ptr<Renderer>* const found = renderers_.find(size)) return **found;
   rebuilds_.take(job.key, job.arrived);
-  const std::size_t bytes = kEyes * size.pixels() * kDrawnPixel_bytes;
-  renderers_.make_room(size, job.key, bytes);  // before the new one takes memory
+  const std::size_t of_pixels = kEyes * size.pixels() * kDrawnPixel_bytes,
+                    expected = of_pixels + kPipelines_bytes + scene_bytes_;
+  renderers_.make_room(size, job.key, expected);  // before the new one takes memory
+  const std::uint64_t before = device_->ledger->read().now.total();
   auto renderer =
       std::make_unique<Renderer>(*device_, context_.scene, context_.plan.draw,
                                  RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
-  return *renderers_.put(size, job.key, bytes, std::move(renderer));
+  const std::uint64_t taken = device_->ledger->read().now.total() - before;
+  scene_bytes_ = taken - std::min<std::uint64_t>(taken, of_pixels);
+  return *renderers_.put(size, job.key, of_pixels + kPipelines_bytes + scene_bytes_, std::move(renderer));
 }
 
 AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {

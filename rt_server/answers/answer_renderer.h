@@ -40,9 +40,13 @@ class AnswerRenderer {
   AnswerContext context_;
   std::optional<gpu::Device> device_;
   using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
-  static constexpr std::size_t kRenderers = 4;  ///< the views of the clients have few different sizes
+  static constexpr std::size_t kRenderers = 64;  ///< beside the limit of their memory
   [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 2}; }
   Renderers renderers_ = no_renderers();
+  /// Of a renderer, whatever its size: its pipelines (10.4 MiB more resident for each, room, lavapipe), and
+  /// the scene on the device, measured when one is built.
+  static constexpr std::size_t kPipelines_bytes = std::size_t{10} << 20;
+  std::size_t scene_bytes_ = 0;
   Rebuilds rebuilds_;
   ShadowFrame frame_;
   PerEye<KnownTiles> all_known_;

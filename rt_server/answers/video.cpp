@@ -21,7 +21,7 @@ Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) 
   Stream* const found = streams_.find(job.session.value);
   if (found != nullptr && found->encoder.format() == format) return *found;
   rebuilds_.take(job.key, job.arrived);
-  const std::size_t bytes = format.size.pixels() * kPixel_bytes;
+  const std::size_t bytes = kEncoder_bytes + format.size.pixels() * kPixel_bytes;
   streams_.make_room(job.session.value, job.key, bytes);
   Expected<VideoEncoder> encoder = VideoEncoder::create(format);
   if (!encoder) throw std::runtime_error(encoder.error().what);

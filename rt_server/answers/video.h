@@ -12,7 +12,7 @@ namespace farshade {
 class Streams {
  public:
   /// The encoders take `most_bytes` in all, or there is only one.
-  explicit Streams(std::size_t most_bytes) : streams_(8, most_bytes) {}
+  explicit Streams(std::size_t most_bytes) : streams_(kStreams, most_bytes) {}
 
   /// Encodes both eyes for `job` and adds the unit to `packer`. The unit depends on the session's last
   /// picture if the request allows it and the format is unchanged. Returns the time that encoding took.
@@ -26,9 +26,10 @@ class Streams {
   };
   Stream& stream_for(const Job& job, const VideoFormat& format);
 
-  /// Assumed memory of an encoder, of a pixel of both eyes. A stream that is evicted starts again with a key
-  /// frame.
-  static constexpr std::size_t kPixel_bytes = 32;
+  /// Beside the limit of their memory. A stream that is evicted starts again with a key frame.
+  static constexpr std::size_t kStreams = 64;
+  /// Assumed memory of an encoder, and of a pixel of both eyes.
+  static constexpr std::size_t kEncoder_bytes = std::size_t{2} << 20, kPixel_bytes = 32;
   Recent<std::uint64_t, Stream> streams_;
   Rebuilds rebuilds_;
 };

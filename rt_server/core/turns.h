@@ -3,10 +3,10 @@
 /// The key on whose clients the least work was spent is next. A client asks again only when its answer has
 /// come, so it pauses after each, and somebody else's job can begin in each of its pauses. Two rules keep
 /// that from costing it its share. A key that pauses or is new may be as much work ahead of the others as
-/// the last long job took, at least kBank. And after a long job, which has taken W while n other keys were active, no other long job begins for W / n
-/// if an active key that is ahead may ask: in that time its jobs begin at once. So a key gets its share
-/// although it pauses, the others lose no more than the share of one key, and a key that is ahead waits for
-/// no more than the job that has begun.
+/// the last long job took, at least kBank. And after a long job, which has taken W while n other keys were
+/// active, no other long job begins for W / n if an active key that is ahead may ask: in that time its jobs
+/// begin at once. So a key gets its share although it pauses, the others lose no more than the share of one
+/// key, and a key that is ahead waits for no more than the job that has begun.
 #pragma once
 
 #include <map>
@@ -50,8 +50,8 @@ class Turns {
 
  private:
   struct Account {
-    Duration work{};           ///< time of the worker
-    std::uint64_t served = 0;  ///< number of the job that began last
+    Duration work{};               ///< time of the worker
+    std::uint64_t served = 0;      ///< number of the job that began last
     std::optional<Time> active{};  ///< when it was last
     JobCosts costs;
   };

@@ -267,10 +267,11 @@ TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_EQ(before[eye].pixels, after[eye].pixels) << eye;
 }
 
-/// A guard band changes the size of pictures, and a hostile client may change it with each request. Few
-/// renderers are kept; a size that comes back gives the same picture.
+/// A guard band changes the size of pictures, and a hostile client may change it with each request. A
+/// renderer is kept while its memory lasts; a size that comes back gives the same picture.
 TEST_F(ServerAnswers, SizesThatComeBackGiveTheSamePicture) {
-  AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_});
+  constexpr MemoryShare small{.limit_bytes = 64 << 20};
+  AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_, .memory = small});
   if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
   const auto drawn = [&](std::uint32_t width) {
     for (View& view : job_.request.views) view.size = {width, 48};
@@ -280,6 +281,51 @@ TEST_F(ServerAnswers, SizesThatComeBackGiveTheSamePicture) {
   constexpr std::uint32_t sizes = 6;  // more than are kept
   for (std::uint32_t i = 0; i < sizes; ++i) first.push_back(drawn(48 + 16 * i));
   for (std::uint32_t i = 0; i < sizes; ++i) EXPECT_EQ(drawn(48 + 16 * i), first[i]) << i;
+}
+
+/// Clients of many sizes take turns without a renderer or an encoder being made anew.
+TEST_F(ServerAnswers, SizesOfManyClientsAreKept) {
+  if (!has_video()) GTEST_SKIP() << video_version();
+  const auto renderer =
+      std::make_shared<AnswerRenderer>(AnswerContext{.scene = scene_, .plan = plan_, .tracer = tracer_});
+  if (const Expected<void> can = renderer->can_draw(); !can) GTEST_SKIP() << can.error().what;
+  const std::unique_ptr<AnswerMaker> video = make_video(renderer);
+  job_.request.answer = {
+      .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
+  for (std::uint32_t round = 0; round < 3; ++round)
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(Rebuilds::kPerSecond); ++i) {
+      job_.session.value = i;
+      for (View& view : job_.request.views) view.size = {48 + 16 * i, 48};
+      packer_.begin();
+      ++job_.request.frame.value;
+      EXPECT_NO_THROW(video->answer(job_, packer_)) << "round " << round << ", size " << i;
+    }
+}
+
+/// So a large picture is given up when it has taken too long, although nothing interrupts a device.
+TEST_F(ServerAnswers, ADrawnAnswerIsGivenUpBetweenItsStages) {
+  const auto renderer =
+      std::make_shared<AnswerRenderer>(AnswerContext{.scene = scene_, .plan = plan_, .tracer = tracer_});
+  if (const Expected<void> can = renderer->can_draw(); !can) GTEST_SKIP() << can.error().what;
+  std::vector<std::unique_ptr<AnswerMaker>> makers;
+  makers.push_back(make_gbuffer(renderer));
+  if (has_video()) makers.push_back(make_video(renderer));
+  job_.request.answer = {
+      .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
+  for (const std::unique_ptr<AnswerMaker>& maker : makers) {
+    std::atomic<int> asked = 0, most = std::numeric_limits<int>::max();
+    job_.is_given_up = [&] { return ++asked > most; };
+    packer_.begin();
+    EXPECT_NO_THROW(maker->answer(job_, packer_));
+    const int all = asked;
+    for (int stage = 1; stage <= 3; ++stage) {
+      asked = 0, most = all - stage;
+      packer_.begin();
+      EXPECT_THROW(maker->answer(job_, packer_), AnswerGivenUp) << "before the last stage but " << stage - 1;
+    }
+    asked = 0, most = all - 4;
+    EXPECT_THROW(maker->answer(job_, packer_), TraceGivenUp) << "no other stage asks";
+  }
 }
 
 /// An answer that no codec and no device can make does not end the server.
