@@ -91,7 +91,7 @@ class CodedAnswer final : public AnswerMaker {
  private:
   std::shared_ptr<AnswerRenderer> renderer_;
   Eyes (*picture_)(const AnswerRenderer::RenderedAnswer&);
-  Streams streams_{renderer_->memory().in_work() / 4};
+  Streams streams_{renderer_->memory().in_work() / 8};
 };
 
 }  // namespace
