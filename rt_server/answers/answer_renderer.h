@@ -41,7 +41,7 @@ class AnswerRenderer {
   std::optional<gpu::Device> device_;
   using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
   static constexpr std::size_t kRenderers = 64;  ///< beside the limit of their memory
-  [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 2}; }
+  [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 8 * 3}; }
   Renderers renderers_ = no_renderers();
   /// Of a renderer, whatever its size: its pipelines (10.4 MiB more resident for each, room, lavapipe), and
   /// the scene on the device, measured when one is built.
