@@ -466,7 +466,7 @@ Beside beside_long_answers(Duration work, std::size_t keys) {
 }
 
 TEST(Insider, LongAnswersOfOtherKeysLeaveAGoodClientItsShareAlthoughItPausesAfterEachAnswer) {
-  for (const std::size_t keys : {1, 2})
+  for (const std::size_t keys : {std::size_t{1}, std::size_t{2}})
     for (const Duration work : {50ms, 190ms, 1200ms}) {
       const Beside beside = beside_long_answers(work, keys);
       std::printf("beside answers of %4.0f ms of %zu keys: %d masks in 20 s, the longest wait %.0f ms\n",
