@@ -164,6 +164,7 @@ void ServerCore::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_d
     const std::lock_guard lock(mutex_);
     sessions_.set_ring(ring, today);
   }
+  request_arrived_.notify_one();  // what was held for a key that has gone may begin
   wake();
 }
 

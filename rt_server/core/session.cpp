@@ -285,23 +285,14 @@ std::optional<Time> ClientSession::ready_at() const {
                                        : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
 }
 
-/// The pair whose request is next; nothing if the other request is. The surround's is taken before the other
-/// one only if that is not complete yet, or if enough others have overtaken it.
-std::optional<std::size_t> ClientSession::next_surround() const {
-  return !is_complete() || overtaken_ >= kMostOvertaking ? oldest_surround() : std::nullopt;
-}
-
-const FrameRequest& ClientSession::next_request() const {
-  const std::optional<std::size_t> pair = next_surround();
-  return (pair ? waiting_surround_[*pair] : waiting_)->request;
-}
-
+/// A request for the surround is taken before another one only if that is not complete yet, or if enough
+/// others have overtaken it.
 Job ClientSession::take_job() {
-  const std::optional<std::size_t> pair = next_surround();
-  job_is_surround_ = pair.has_value();
-  const bool overtakes = !pair && oldest_surround();
-  Job job = std::move(*std::exchange(pair ? waiting_surround_[*pair] : waiting_, std::nullopt));
-  overtaken_ = overtakes ? overtaken_ + 1 : 0;
+  const std::optional<std::size_t> pair = oldest_surround();
+  job_is_surround_ = pair && (!is_complete() || overtaken_ >= kMostOvertaking);
+  std::optional<Job>& waiting = job_is_surround_ ? waiting_surround_[*pair] : waiting_;
+  Job job = std::move(*std::exchange(waiting, std::nullopt));
+  overtaken_ = pair && !job_is_surround_ ? overtaken_ + 1 : 0;
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
   job.view_scale = quality_.view_scale();

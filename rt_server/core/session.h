@@ -163,8 +163,6 @@ class ClientSession {
   }
   /// When is_ready() becomes true if nothing else happens.
   [[nodiscard]] std::optional<Time> ready_at() const;
-  /// The request that take_job() removes. Only when ready_at() says a time.
-  [[nodiscard]] const FrameRequest& next_request() const;
   /// Removes the waiting request. Only when is_ready().
   [[nodiscard]] Job take_job();
 
@@ -208,7 +206,6 @@ class ClientSession {
   [[nodiscard]] std::optional<ReceivedMessage> refuse_request(const FrameRequest& request) const;
   [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
   [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
-  [[nodiscard]] std::optional<std::size_t> next_surround() const;
   [[nodiscard]] bool is_complete() const;
   [[nodiscard]] bool is_late() const;
   template <class TileSlice>

@@ -239,13 +239,14 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
     end_left(sealed.session);
     return {};
   }
+  if (received == ReceivedMessage::NewRequest || received == ReceivedMessage::Superseded)
+    turns_.was_active(session->key(), now);
   if (first && session->is_confirmed()) {
     end_replaced(sealed.session);
     end_beyond_limit(sealed.session);
   }
   if (!received) return refuse(received.error());
   was_opened_ = true;
-  if (session->ready_at()) turns_.was_active(session->key(), now);
   count(*received);
   return {};
 }
@@ -352,17 +353,25 @@ void Sessions::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_day
   share_limits();
 }
 
-std::optional<Job> Sessions::next_job(Time now) {
-  ClientSession* next = nullptr;
+/// The session whose request is answered now; null if there is none.
+ClientSession* Sessions::next_session(Time now) {
+  turns_.look(now);
+  ClientSession *next = nullptr, *held = nullptr;
   const auto order = [&](const ClientSession& session) {
     return std::pair(turns_.order(session.key()), session.turn);
   };
   for (ClientSession& session : sessions_) {
-    const std::optional<Time> begins = begins_at(session);
-    if (!begins || *begins > now) continue;
+    if (!session.is_ready(now)) continue;
     session.turn.work = std::max(session.turn.work, ledger_.of(session.key()).session_work);
-    if (next == nullptr || order(session) < order(*next)) next = &session;
+    ClientSession*& least = turns_.is_held(session.key(), now) ? held : next;
+    if (least == nullptr || order(session) < order(*least)) least = &session;
   }
+  if (next == nullptr && held != nullptr) turns_.wait_for_others(held->key(), now);
+  return next;
+}
+
+std::optional<Job> Sessions::next_job(Time now) {
+  ClientSession* const next = next_session(now);
   if (next == nullptr) return std::nullopt;
   ledger_.of(next->key()).session_work = next->turn.work;
   next->turn.served = turns_.begin(next->key());
@@ -382,13 +391,6 @@ std::optional<Job> Sessions::next_job(Time now) {
   return job;
 }
 
-/// When the session's request is ready, and no longer held for the sake of another key.
-std::optional<Time> Sessions::begins_at(const ClientSession& session) const {
-  const std::optional<Time> ready = session.ready_at();
-  if (!ready) return std::nullopt;
-  return std::max(*ready, turns_.held_until(session.key(), size_of(session.next_request())).value_or(*ready));
-}
-
 bool Sessions::is_too_costly(const InWork& job) {
   if (job.size.is_usual || turns_.costs(job.key).estimate(job.size) <= kMostTurn) return false;
   return std::ranges::any_of(sessions_, [&](const ClientSession& session) {
@@ -405,8 +407,9 @@ bool Sessions::gives_up(Time now) const {
   });
 }
 
-void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, Duration work, Time now,
+void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, Duration taken, Time now,
                    JobEnd end) {
+  const Duration work = std::min(taken, kMostCharged);
   ClientSession* const session = find(id);
   const bool is_in_work = in_work_ && in_work_->session == id;
   if (is_in_work && gate_.ring().contains(in_work_->key)) charge(work, now, end);
@@ -503,8 +506,10 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
 std::optional<Time> Sessions::job_at() const {
   std::optional<Time> earliest;
   for (const ClientSession& session : sessions_)
-    if (const std::optional<Time> at = begins_at(session); at && (!earliest || *at < *earliest))
-      earliest = at;
+    if (std::optional<Time> at = session.ready_at()) {
+      at = std::max(*at, turns_.look_at(session.key()).value_or(*at));
+      if (!earliest || *at < *earliest) earliest = at;
+    }
   return earliest;
 }
 

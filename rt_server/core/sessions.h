@@ -84,9 +84,9 @@ class Sessions {
   /// Removes and returns the request to answer next, if one is ready.
   std::optional<Job> next_job(Time now);
 
-  /// Queues the messages that answer a job, and counts the `work` that it took. Does nothing if the session
-  /// has ended.
-  void put(SessionId session, std::vector<std::vector<std::byte>> messages, Duration work, Time now,
+  /// Queues the messages that answer a job, and counts the time that it has `taken`. Does nothing if the
+  /// session has ended.
+  void put(SessionId session, std::vector<std::vector<std::byte>> messages, Duration taken, Time now,
            JobEnd end = JobEnd::Answered);
 
   /// Whether the job that the worker has is to be given up: its session has ended, or it takes too long
@@ -202,7 +202,7 @@ class Sessions {
     Time begun;
   };
   std::optional<InWork> in_work_;
-  [[nodiscard]] std::optional<Time> begins_at(const ClientSession& session) const;
+  [[nodiscard]] ClientSession* next_session(Time now);
   [[nodiscard]] bool is_too_costly(const InWork& job);
   void charge(Duration work, Time now, JobEnd end);
   [[nodiscard]] std::size_t room_for(const KeyId& key);
