@@ -588,8 +588,9 @@ TEST(ClientProgram, EndsAReplayAfterASignalWithItsStatus) {
   }
 }
 
-/// The reference of a dump takes longer than a frame's time, and that of each measured frame nearly as long.
-TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
+/// Frames of a run that dumps one and writes pictures, beside a real clock. The reference of the dump takes
+/// longer than a frame's time, and that of each measured frame nearly as long.
+std::size_t frames_of_a_run_with_dump() {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "local"},
                                 {"--clock", "real"},
@@ -602,8 +603,19 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
                                 {"--out", folder.path().string()}});
   EXPECT_EQ(run.status, 0) << run.errors;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "frame_0005_left.png"));
-  EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 5u) << "no display time was missed";
+  const std::vector<std::string> frames = read_csv(folder.path() / "frames.csv").at("frame");
+  for (const std::string& frame : frames)
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / ("frame_000" + frame + "_left.png"))) << frame;
+  return frames.size();
+}
+
+/// A machine with much other work misses a display time now and then; a dump within the clock would miss some
+/// in every run.
+TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
+  std::size_t most = 0;
+  for (int run = 0; run < 4 && most < 5 && !HasFailure(); ++run)
+    most = std::max(most, frames_of_a_run_with_dump());
+  EXPECT_EQ(most, 5u) << "display times were missed in each run";
 }
 
 TEST(ClientProgram, UsesTheAddressOfANameThatAnswers) {
