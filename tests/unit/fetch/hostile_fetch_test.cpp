@@ -1,5 +1,6 @@
 // A hostile server against the client's fetch, and hostile clients against the sender.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <future>
@@ -197,6 +198,50 @@ TEST_F(HostileFetchTest, ManyStrangersDoNotKeepAClientOut) {
   EXPECT_NE(note.find("trying again for 60 s"), std::string::npos) << note;
   ASSERT_TRUE(fetched.has_value()) << fetched.error().what;
   expect_equal_files(*fetched);
+}
+
+TEST_F(HostileFetchTest, StrangersAreTakenOneAfterTheOther) {
+  write({{"a.glb", 50}});
+  serve({.between_accepts = 300ms});
+  const Stopwatch watch;
+  const auto one = connect_tcp(server_, patiently()), two = connect_tcp(server_, patiently());
+  EXPECT_TRUE(comes_true([&] { return sender_->counters().accepted == 2; }));
+  EXPECT_GE(watch.elapsed(), 300ms);
+}
+
+TEST_F(HostileFetchTest, AStrangerTooManyEndsTheOldest) {
+  write({{"a.glb", 50}});
+  serve({.strangers = 2, .strangers_of_network = 8, .first_message = 10min, .between_accepts = 1ms});
+  std::vector<TcpStream> strangers;
+  for (std::uint64_t i = 1; i <= 3; ++i) {
+    strangers.push_back(connect_tcp(server_, patiently()).value());
+    ASSERT_TRUE(comes_true([&] { return sender_->counters().accepted == i; }));
+  }
+  std::array<std::byte, 16> buffer;
+  const Stopwatch watch;
+  EXPECT_FALSE(strangers[0].read_some(buffer, patiently()));
+  EXPECT_LT(watch.elapsed(), kPatience) << "it was closed";
+  for (const std::size_t kept : {std::size_t{1}, std::size_t{2}}) {
+    const Stopwatch waited;
+    EXPECT_FALSE(strangers[kept].read_some(buffer, for_time(100ms)));
+    EXPECT_GE(waited.elapsed(), 100ms) << kept;
+  }
+  EXPECT_EQ(sender_->counters().dropped, 1u);
+}
+
+/// What is sent to new clients takes nothing from those that need masks.
+TEST_F(HostileFetchTest, TheSendersThreadsLeaveOthersTheProcessor) {
+  if (getpriority(PRIO_PROCESS, 0) >= 10) GTEST_SKIP() << "this program itself has a low priority";
+  write({{"a.glb", 50}});
+  serve();
+  ASSERT_TRUE(fetch_scene(plan()));
+  std::size_t nice = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    const int id = std::stoi(task.path().filename());
+    if (getpriority(PRIO_PROCESS, static_cast<id_t>(id)) == 10) ++nice;
+  }
+  EXPECT_GE(nice, 1u);
+  EXPECT_LT(getpriority(PRIO_PROCESS, 0), 10);
 }
 
 TEST_F(HostileFetchTest, ManyConnectionsOfOneKeyAreBusyAndSlowReadersEnd) {

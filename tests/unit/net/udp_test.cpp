@@ -51,6 +51,32 @@ void expect_round_trip(Pair& pair) {
   EXPECT_TRUE(std::ranges::equal(answered->bytes, bytes({9, 8})));
 }
 
+/// The value of an option of the socket that is bound to `port`; nothing if there is none.
+std::optional<int> option_of(std::uint16_t port, int family, int level, int option) {
+  for (int file = 0; file < 1024; ++file) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof address;
+    if (getsockname(file, reinterpret_cast<sockaddr*>(&address), &size) != 0 || address.ss_family != family)
+      continue;
+    const std::uint16_t bound = family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                                   : reinterpret_cast<const sockaddr_in&>(address).sin_port;
+    int value = 0;
+    socklen_t value_size = sizeof value;
+    if (ntohs(bound) == port && getsockopt(file, level, option, &value, &value_size) == 0) return value;
+  }
+  return std::nullopt;
+}
+
+/// The kernel neither splits datagrams nor believes messages about sizes that anybody can forge.
+TEST(Udp, SocketsIgnoreWhatIcmpSaysAboutSizes) {
+  const Pair v4 = connected("127.0.0.1:0");
+  for (const std::uint16_t port : {v4.server->local().port, v4.client.port->local().port})
+    EXPECT_EQ(option_of(port, AF_INET, IPPROTO_IP, IP_MTU_DISCOVER), IP_PMTUDISC_PROBE);
+  const auto v6 = listen_udp("[::1]:0");
+  if (!v6) GTEST_SKIP() << "without IPv6: " << v6.error().what;
+  EXPECT_EQ(option_of((*v6)->local().port, AF_INET6, IPPROTO_IPV6, IPV6_MTU_DISCOVER), IPV6_PMTUDISC_PROBE);
+}
+
 TEST(Peer, PrintsAsOneWritesIt) {
   const Peer v4{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}, 0, 7447};
   EXPECT_EQ(to_string(v4), "127.0.0.1:7447");

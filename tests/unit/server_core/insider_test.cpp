@@ -1003,6 +1003,47 @@ TEST(Insider, AReplayedHelloThatWasRefusedCostsNoHandshake) {
   EXPECT_EQ(house.sessions.counters().busy, 1u);
 }
 
+/// As many as the usual limit of handshakes lets begin while a cookie is valid.
+TEST(Insider, ManyHellosThatWereRefusedAreRemembered) {
+  House house({.sessions = 1, .handshakes_per_second = 1e6});
+  house.join(kEvilPort, {}, kEvil);
+  std::vector<std::pair<Bytes, Bytes>> said;
+  for (std::uint16_t i = 0; i < 500; ++i) {
+    LinkClient refused(kGood, kServed);
+    const std::uint16_t port = kEvilPort + 1 + i;
+    const Bytes hello = refused.take(house.say(port, refused.hello()), {});
+    said.emplace_back(hello, house.say(port, hello));
+  }
+  ASSERT_EQ(house.sessions.counters().busy, 500u);
+  for (std::uint16_t i = 0; i < 500; ++i)
+    EXPECT_EQ(house.say(kEvilPort + 1 + i, said[i].first, Time(1ms)), said[i].second) << i;
+  EXPECT_EQ(house.sessions.counters().busy, 500u) << "none was answered anew";
+}
+
+/// A client that knew which counters have no datagram could report all others without looking.
+TEST(Insider, CountersAreLeftOutAtRandom) {
+  House house;
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  std::vector<std::uint64_t> lengths;  // of the runs between counters that were left out
+  std::uint64_t last = 0, begun = 0;
+  Peer to;
+  for (std::uint32_t frame = 1; lengths.size() < 12 && frame < 1000; ++frame) {
+    const Time now(frame * 1s);
+    const Bytes reply = house.say(kGoodPort, client.seal({.request = request_of(frame, kSize)}), now);
+    if (!reply.empty()) last = std::get<Sealed>(*open_server_envelope(reply)).counter;
+    if (const auto job = house.sessions.next_job(now))
+      house.sessions.put(job->session, std::vector<Bytes>(100, Bytes(100, std::byte{1})), {}, now);
+    for (Bytes datagram; house.sessions.seal_due(now + 900ms, to, datagram);) {
+      const std::uint64_t counter = std::get<Sealed>(*open_server_envelope(datagram)).counter;
+      if (counter == last + 2) lengths.push_back(counter - std::exchange(begun, counter));
+      last = counter;
+    }
+  }
+  ASSERT_EQ(lengths.size(), 12u);
+  EXPECT_GT(std::set(lengths.begin(), lengths.end()).size(), 4u);
+  EXPECT_LE(std::ranges::max(lengths), 2 * ClientSession::kBetweenGaps + 100) << "probes have counters, too";
+}
+
 TEST(Insider, AReplayedHelloOfASessionThatHasLeftBeginsNone) {
   House house;
   LinkClient client(kGood, kServed);

@@ -271,6 +271,36 @@ TEST(Sessions, ClientsWithMoreWorkHaveFewerTurns) {
   EXPECT_LE(longest, 60ms) << "one large frame at a time";
 }
 
+/// Keeps a session alive until `until`, from the time at which its first key is used.
+std::uint32_t asked_until(House& house, LinkClient& client, Time until) {
+  std::uint32_t frame = 0;
+  for (Time now{}; now < until; now += 5s) house.ask(client, 1, ++frame, now);
+  return frame;
+}
+
+TEST(Sessions, ADatagramThatIsDueIsSealedWithTheKeyOfItsTime) {
+  House house;
+  LinkClient client = house.join(1);
+  constexpr Time kBefore = Time(kEpochTime - 1s), kAfter = Time(kEpochTime + 1s);
+  const std::uint32_t frame = asked_until(house, client, kBefore);
+  house.ask(client, 1, frame + 1, kBefore);
+  house.sessions.put(house.sessions.next_job(kBefore)->session, {Bytes(100)}, {}, kBefore);
+  Peer to;
+  Bytes datagram;
+  ASSERT_TRUE(house.sessions.seal_due(kAfter, to, datagram));
+  EXPECT_EQ(std::get<Sealed>(*open_server_envelope(datagram)).epoch, 1u);
+}
+
+TEST(Sessions, AReplyIsSealedWithTheKeyOfItsTime) {
+  House house;
+  LinkClient client = house.join(1);
+  constexpr Time kAfter = Time(kEpochTime + 1s);
+  const std::uint32_t frame = asked_until(house, client, Time(kEpochTime - 1s));
+  const Bytes reply = house.say(1, client.seal({.request = request_of(frame + 1, kSize)}), kAfter);
+  ASSERT_FALSE(reply.empty()) << "a probe, after seconds without one";
+  EXPECT_EQ(std::get<Sealed>(*open_server_envelope(reply)).epoch, 1u);
+}
+
 TEST(Sessions, AnIdleClientBanksOneTurnAndNoMore) {
   House house;
   LinkClient one = house.join(1), two = house.join(2, {}, kRing[1]);

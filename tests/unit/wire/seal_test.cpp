@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <set>
 
@@ -100,6 +101,16 @@ TEST_P(SealModes, WhatHasLeftTheWindowIsRefused) {
   EXPECT_TRUE(open(opener, sent[2]));
   EXPECT_EQ(open(opener, sent[1]).error(), WireRefusal::Replayed);
   EXPECT_EQ(open(opener, sent[0]).error(), WireRefusal::Replayed);
+}
+
+TEST(Secret, LeavesNothingBehind) {
+  alignas(Secret) std::array<std::byte, sizeof(Secret)> room{};
+  std::array<std::uint8_t, 32> bytes;
+  bytes.fill(0xa5);
+  auto* const secret = new (room.data()) Secret(bytes);
+  ASSERT_EQ(std::ranges::count(room, std::byte{0xa5}), 32);
+  secret->~Secret();
+  EXPECT_EQ(std::ranges::count(room, std::byte{0xa5}), 0);
 }
 
 TEST(Seal, NoByteOfAMessageIsVisible) {
