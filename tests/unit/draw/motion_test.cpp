@@ -113,6 +113,8 @@ TEST(MotionModel, NothingMovesInNoTime) {
   EXPECT_TRUE(is_still(moving.between(300ms, 300ms + 1us))) << "the error of a predicted display time";
   EXPECT_TRUE(is_still(moving.between(300ms, 1300ms))) << "the animation repeats";
   EXPECT_FALSE(is_still(moving.between(300ms, 300ms + 1ms)));
+  EXPECT_TRUE(is_still(moving.between(300ms + 1us, 300ms)));
+  EXPECT_FALSE(is_still(moving.between(300ms + 1ms, 300ms)));
 }
 
 TEST(MotionModel, MarksOnlyTheMovedLightStale) {

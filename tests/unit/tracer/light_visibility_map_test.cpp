@@ -156,18 +156,19 @@ TEST(LightProof, NeedsMoreThanThePlanesToleranceAboveIt) {
   const LightVisibilityMap map(shadow_light(state.light_set.lights[0], model), planes_of(model), model);
   const LightVisibilityMap::Plane& plane = map.planes()[map.cells()[place_of(map.frame(), {}).cell].plane[0]];
   const glm::vec3 normal(plane.nx, plane.ny, plane.nz);
-  for (const float height : {0.3f, 20.0f}) {
+  // The tolerance of a ray is that of the plane, or four times as much.
+  for (const auto& [own, height] : {std::pair(1.0f, 0.3f), {1.0f, 20.0f}, {4.0f, 3.0f}, {4.0f, 6.0f}}) {
     TileSurface surface{};
     for (int i = 0; i < 4; ++i) {
       const glm::vec3 aside(0.3f * static_cast<float>(i) - 0.5f, 0, 0.21f * static_cast<float>(i));
       const glm::vec3 on_plane = aside + normal * (plane.offset - glm::dot(normal, aside));
       const glm::vec3 start = on_plane + normal * (height * plane.doubt);
       surface.ox[i] = start.x, surface.oy[i] = start.y, surface.oz[i] = start.z;
-      surface.reach[i] = plane.doubt / (0.5f * kOffset);
+      surface.reach[i] = own * plane.doubt / (0.5f * kOffset);
     }
     Ints<4> lanes = ~Ints<4>{}, proven{};
     prove<4>(map, surface, 0, lanes, proven);
-    EXPECT_EQ(counted(proven), height < 1 ? 0u : 4u) << height;
+    EXPECT_EQ(counted(proven), height < own ? 0u : 4u) << own << ", " << height;
   }
 }
 

@@ -131,16 +131,27 @@ TEST(TileVerdict, HoldsForEveryPointOfTheTile) {
     EXPECT_GT(verdicts[static_cast<std::size_t>(verdict)], 50) << static_cast<int>(verdict);
 }
 
+/// A level tile of reach 1 at `height` over the plane.
+TileBounds level_tile(float height) {
+  TileBounds tile;
+  tile.starts = {{-1, height, -1}, {1, height, 1}};
+  tile.facet = {{0, 1, 0}, {0, 1, 0}};
+  tile.along = height;
+  tile.reach = 1;
+  return tile;
+}
+
 TEST(IsBefore, NeedsMoreThanThePlanesTolerance) {
   const LightVisibilityMap::Plane floor{0, 1, 0, 0, 0.01f};
-  for (const float height : {-0.02f, 0.005f, 0.02f}) {
-    TileBounds tile;
-    tile.starts = {{-1, height, -1}, {1, height, 1}};
-    tile.facet = {{0, 1, 0}, {0, 1, 0}};
-    tile.along = height;
-    tile.reach = 1;
-    EXPECT_EQ(is_before(tile, floor), height > floor.doubt) << height;
-  }
+  for (const float height : {-0.02f, 0.005f, 0.02f})
+    EXPECT_EQ(is_before(level_tile(height), floor), height > floor.doubt) << height;
+}
+
+/// Half of a ray's offset, and an eighth for the rounding of the bounds.
+TEST(IsBefore, NeedsMoreThanTheTilesOwnTolerance) {
+  constexpr LightVisibilityMap::Plane kCertain{0, 1, 0, 0, 0};
+  for (const float offsets : {0.45f, 0.55f, 0.7f})
+    EXPECT_EQ(is_before(level_tile(offsets * kOffset), kCertain), offsets > 0.625f) << offsets;
 }
 
 }  // namespace
