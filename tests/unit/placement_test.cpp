@@ -84,6 +84,27 @@ TEST(HeadTest, TheInsideOfASolidIsGeometry) {
   EXPECT_EQ(verdict(box_scene({1, 1, 1}, Walls::Single, Wound::Outwards), {0, 0, 2}), PoseVerdict::Sees);
 }
 
+TEST(HeadTest, ABoxWithWallsAtMoreThanHalfAMetreIsARoom) {
+  EXPECT_EQ(verdict(box_scene({0.7, 0.7, 0.7}, Walls::Double, Wound::Outwards), {}), PoseVerdict::Sees);
+}
+
+/// A back that is not seen hides nothing, also of what is close behind it.
+TEST(Surroundings, AFrontCloseBehindABackIsSeen) {
+  Scene scene = empty_scene(Walls::Single);
+  for (const auto& [z, is_back] : {std::pair(-5.0, true), {-5.02, false}}) {
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    if (is_back)
+      for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    add_mesh(scene, std::move(mesh), {0, 0, z});
+  }
+  const std::array rays{Ray{{}, {glm::normalize(glm::dvec3(0.1, 0.15, -1))}}};
+  const Met met = Surroundings::create(scene).value().first_seen(rays).at(0);
+  EXPECT_EQ(met.side, Met::Side::Front);
+  EXPECT_NEAR(met.distance_m, 5.02 * glm::length(glm::dvec3(0.1, 0.15, -1)), 0.001);
+}
+
 TEST(HeadTest, AMirroredSolidIsOneToo) {
   Scene scene = box_scene({1, 1, 1}, Walls::Single, Wound::Outwards);
   scene.nodes[0].rest.scale = {-1, 1, 1};
@@ -108,6 +129,7 @@ TEST(HeadTest, ALandscapeIsSeenFromAboveItsGroundOnly) {
   EXPECT_EQ(verdict(scene, {0, 1.6, 0}), PoseVerdict::Sees);
   EXPECT_EQ(verdict(scene, {0, -1.6, 0}), PoseVerdict::SeesNothing);
   EXPECT_EQ(verdict(scene, {0, 0.005, 0}), PoseVerdict::InsideGeometry) << "5 mm above the ground";
+  EXPECT_EQ(verdict(scene, {0, 0.015, 0}), PoseVerdict::Sees);
   EXPECT_EQ(verdict(Scene{}, {}), PoseVerdict::SeesNothing);
 }
 
