@@ -11,6 +11,7 @@
 #include "rt_server/core/server_log.h"
 #include "rt_server/fetch/scene_sender.h"
 #include "stereo/announce/announcer.h"
+#include "stereo/base/file_watch.h"
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
 #include "stereo/exposure/chosen_exposure.h"
@@ -220,26 +221,6 @@ class KeysInUse {
   bool is_read_ = true;
   std::string complaint_;
   Time complained_{};
-};
-
-/// Tells when a file has changed: once per change, when it has not changed further between two looks. So a
-/// file that an editor is writing is not read by halves.
-class FileWatch {
- public:
-  explicit FileWatch(std::filesystem::path path) : path_(std::move(path)), seen_(changed_at(path_)) {}
-
-  [[nodiscard]] bool has_changed() {
-    const std::int64_t now = changed_at(path_);
-    const bool settled = now != seen_ && now == last_;
-    last_ = now;
-    if (settled) seen_ = now;
-    return settled;
-  }
-  void mark_as_seen() { seen_ = changed_at(path_); }
-
- private:
-  std::filesystem::path path_;
-  std::int64_t seen_, last_ = 0;
 };
 
 void print_counters(const ServerCore& core, const SceneSender* sender) {

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "stereo/base/file_watch.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -21,6 +22,30 @@ std::string text_of(const fs::path& path) {
 
 std::ptrdiff_t entries_in(const fs::path& folder) {
   return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+/// A file that changes between two looks is not complete yet.
+TEST(FileWatch, TellsOnceThatAFileHasChangedWhenItHasSettled) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "a";
+  ASSERT_TRUE(write_file_atomically(path, "text"));
+  const fs::file_time_type first = fs::last_write_time(path);
+  const auto change = [&](int seconds) { fs::last_write_time(path, first + std::chrono::seconds(seconds)); };
+  FileWatch watch(path);
+  EXPECT_FALSE(watch.has_changed());
+  change(1);
+  EXPECT_FALSE(watch.has_changed()) << "the first look";
+  EXPECT_TRUE(watch.has_changed());
+  EXPECT_FALSE(watch.has_changed()) << "once";
+  change(2);
+  EXPECT_FALSE(watch.has_changed());
+  change(3);
+  EXPECT_FALSE(watch.has_changed()) << "it has changed further";
+  EXPECT_TRUE(watch.has_changed());
+  change(4);
+  watch.mark_as_seen();
+  EXPECT_FALSE(watch.has_changed());
+  EXPECT_FALSE(watch.has_changed());
 }
 
 TEST(WriteFile, ReplacesWhatWasThere) {
