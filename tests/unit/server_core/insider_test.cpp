@@ -1039,7 +1039,7 @@ TEST(Insider, CountersAreLeftOutAtRandom) {
       last = counter;
     }
   }
-  ASSERT_EQ(lengths.size(), 12u);
+  ASSERT_GE(lengths.size(), 12u);
   EXPECT_GT(std::set(lengths.begin(), lengths.end()).size(), 4u);
   EXPECT_LE(std::ranges::max(lengths), 2 * ClientSession::kBetweenGaps + 100) << "probes have counters, too";
 }
