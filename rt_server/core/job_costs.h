@@ -23,7 +23,8 @@ inline constexpr std::uint64_t kUsualPixels = std::uint64_t{640} * 640;
 /// 14 frames of a display at 72 Hz. A client that asks again only when its masks have come leaves a moment in
 /// which another key may begin such a job, so it may wait for one with each of its masks.
 inline constexpr Duration kMostTurn = std::chrono::milliseconds(200);
-/// Nobody owes more for one job: beyond it the process was stopped, or the machine is too slow to be fair.
+/// A key owes no more for one job. A job takes longer only if the process was stopped meanwhile, or if the
+/// machine is too slow for any client.
 inline constexpr Duration kMostCharged = std::chrono::seconds(2);
 /// A client is present if it was heard so recently.
 inline constexpr Duration kPresent = std::chrono::seconds(1);

@@ -19,7 +19,7 @@ namespace farshade {
 
 class Turns {
  public:
-  /// A key that had nothing to do has so much less work than the others, and no less.
+  /// A key that had nothing to do is ahead of the others by so much work at most.
   static constexpr Duration kBank = kMostTurn;
   /// A job that takes no longer holds nobody up: 1.5 frames of a display at 72 Hz.
   static constexpr Duration kShortJob = std::chrono::milliseconds(20);
