@@ -10,6 +10,7 @@
 #include "rt_server/core/server_core.h"
 #include "rt_server/core/server_log.h"
 #include "rt_server/fetch/scene_sender.h"
+#include "rt_server/keys/keys_in_use.h"
 #include "stereo/announce/announcer.h"
 #include "stereo/base/file_watch.h"
 #include "stereo/base/files.h"
@@ -22,33 +23,9 @@
 namespace farshade {
 namespace {
 
-std::filesystem::path ring_path(const ServeOptions& options) {
-  return options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
-}
-
-Expected<std::vector<SharedKey>> read_keys(const ServeOptions& options) {
-  if (options.insecure) return std::vector{insecure_key()};
-  const std::filesystem::path path = ring_path(options);
-  Expected<std::vector<SharedKey>> ring = load_key_ring(path);
-  if (!ring && ring.error().fault == Fault::Missing)
-    return fail(
-        Fault::Missing,
-        "no keys at " + path.string() +
-            ": bring the key of a client with rt_server pair, make one with rt_server keygen NAME, or name "
-            "another ring with --keys");
-  return ring;
-}
-
-std::string no_key_in(const ServeOptions& options) {
-  return ring_path(options).string() +
-         " contains no key: bring one with rt_server pair, or make one with rt_server keygen NAME";
-}
-
-/// At least one.
-Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
-  Expected<std::vector<SharedKey>> ring = read_keys(options);
-  if (ring && ring->empty()) return fail(Fault::Missing, no_key_in(options));
-  return ring;
+KeySource keys_of(const ServeOptions& options) {
+  if (options.insecure) return {};
+  return {options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring)};
 }
 
 Expected<UdpServer> open_port(const ServeOptions& options, const Clock& clock) {
@@ -157,72 +134,6 @@ std::unique_ptr<Announcer> announce(const ServeOptions& options, std::vector<Pee
                                      [](const std::string& note) { spdlog::info(note); });
 }
 
-/// The day by UTC.
-std::chrono::sys_days today() {
-  return std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
-}
-
-/// The keys in use. Those that have expired stay in the ring and are not served.
-class KeysInUse {
- public:
-  /// Keeps references to `core` and `sender`, which may be null.
-  KeysInUse(std::vector<SharedKey> ring, ServerCore& core, SceneSender* sender)
-      : ring_(std::move(ring)), core_(core), sender_(sender) {
-    use();
-  }
-
-  /// Reads the key ring again. While it cannot be read, nobody new is admitted, because the key of whoever
-  /// comes may have been taken out of it.
-  void reload(const ServeOptions& options) {
-    Expected<std::vector<SharedKey>> ring = read_keys(options);
-    is_read_ = ring.has_value();
-    if (ring) ring_ = *std::move(ring);
-    use();
-    if (is_read_ && !ring_.empty()) complaint_.clear();
-    if (!is_read_)
-      complain("nobody new is admitted, because the key ring cannot be read: " + ring.error().what);
-    else if (ring_.empty())
-      complain(no_key_in(options));
-    else
-      spdlog::info("the key ring was read again: {} {}", ring_.size(), ring_.size() == 1 ? "key" : "keys");
-  }
-
-  /// Keys expire at the end of a day. A ring that could not be read is tried again.
-  void look_again(const ServeOptions& options) {
-    if (today() != day_) use();
-    if (!is_read_ || ring_.empty()) reload(options);
-  }
-
- private:
-  void use() {
-    day_ = today();
-    core_.set_ring(ring_, day_);
-    core_.admit(is_read_ ? Newcomers::Admitted : Newcomers::Ignored);
-    if (sender_ == nullptr) return;
-    std::vector<SharedKey> valid;
-    for (const SharedKey& key : ring_)
-      if (is_valid_on(key, day_)) valid.push_back(key);
-    sender_->set_ring(is_read_ ? valid : std::vector<SharedKey>{});
-  }
-
-  void complain(const std::string& what) {
-    const SteadyClock clock;
-    if (what == complaint_ && clock.now() < complained_ + kComplaints) return;
-    spdlog::error(what);
-    complaint_ = what;
-    complained_ = clock.now();
-  }
-
-  static constexpr Duration kComplaints = std::chrono::minutes(1);
-  std::vector<SharedKey> ring_;
-  ServerCore& core_;
-  SceneSender* sender_;
-  std::chrono::sys_days day_{};
-  bool is_read_ = true;
-  std::string complaint_;
-  Time complained_{};
-};
-
 void print_counters(const ServerCore& core, const SceneSender* sender) {
   const ServerCounters counters = core.counters();
   say(counters_line(counters));
@@ -276,8 +187,9 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (options.plan.prints_only) return print_plan(scene, plan);
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");
-  FileWatch ring_file(ring_path(options));  // before it is read, so that no change is missed
-  const Expected<std::vector<SharedKey>> ring = load_keys(options);
+  const KeySource source = keys_of(options);
+  FileWatch ring_file(source.ring);  // before it is read, so that no change is missed
+  const Expected<std::vector<SharedKey>> ring = load_keys(source);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<UdpServer> server = open_port(options, clock);
   if (!server) return tl::unexpected(server.error());
@@ -296,24 +208,25 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                   *server->port, clock, options.limits);
   print_what_is_served(scene, plan, *tracer);
   print_keys(options, ring->size());
-  const auto sender = offer_scene(options, server->addresses,
-                                  {options.scene, scene.files, options.lighting, served, *ring}, core);
+  const auto sender = offer_scene(
+      options, server->addresses,
+      {options.scene, scene.files, options.lighting, served, valid_on(today_by_utc(), *ring)}, core);
+  KeysInUse keys(source, *ring, core, sender.get());
   stages.end("answers");
   say(fmt::format("rt_server: ready after {}", stages.in_words()));
   starting.reset();  // from here on, the end has something to clean up
   // The port is open: what clients send from here on waits in its sockets.
   if (Expected<void> told = tell_addresses(options, server->addresses); !told) return told;
-  KeysInUse keys(*ring, core, sender.get());
   {
     Serving serving(core);
     const std::unique_ptr<Announcer> announcer = announce(options, server->addresses);
     const auto reload = [&] {
       ring_file.mark_as_seen();
-      keys.reload(options);
+      keys.reload();
     };
     stop.wait([&] { print_counters(core, sender.get()); }, reload,
               [&] {
-                keys.look_again(options);
+                keys.look_again();
                 if (!options.insecure && ring_file.has_changed()) reload();
               });
     if (!serving.end(kDrawn)) end_while_drawing(options, core, sender.get());

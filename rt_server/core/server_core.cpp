@@ -20,9 +20,6 @@ std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
-/// The ring has at most kMaxRingKeys, and a key few reasons.
-constexpr std::size_t kMostRefusalLogs = 4 * kMaxRingKeys;
-
 struct Count {
   std::uint64_t number;
   std::string_view of;
@@ -151,8 +148,7 @@ bool ServerCore::receive_datagram(Duration wait) {
 void ServerCore::log(const ClientEvent& event) {
   std::string words = in_words(event);
   if (is_fault(event.kind)) {
-    if (refusals_.size() > kMostRefusalLogs) refusals_.clear();  // of keys that have gone
-    const std::optional<std::string> line = refusals_[{event.kind, event.key}].failed(words, clock_.now());
+    const std::optional<std::string> line = refusals_.failed({event.kind, event.key}, words, clock_.now());
     if (!line) return;
     words = *line;
   }

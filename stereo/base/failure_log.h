@@ -1,8 +1,10 @@
 /// FailureLog: limits the log of failures that may repeat with every frame or datagram: at most one line per
-/// interval.
+/// interval. FailureLogs: one for each source of failures.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -21,6 +23,26 @@ class FailureLog {
  private:
   std::optional<Time> logged_at_;
   std::uint64_t not_logged_ = 0;
+};
+
+/// A FailureLog for each source, for example each client. Sources come and go.
+template <class Source>
+class FailureLogs {
+ public:
+  /// Forgets all sources when there are more than `most`.
+  explicit FailureLogs(std::size_t most) : most_(most) {}
+
+  /// See FailureLog::failed().
+  [[nodiscard]] std::optional<std::string> failed(const Source& source, const std::string& what, Time now) {
+    if (logs_.size() > most_) logs_.clear();
+    return logs_[source].failed(what, now);
+  }
+
+  [[nodiscard]] std::size_t size() const { return logs_.size(); }
+
+ private:
+  std::size_t most_;
+  std::map<Source, FailureLog> logs_;
 };
 
 }  // namespace farshade

@@ -15,7 +15,7 @@ constexpr std::size_t kMostPoints = 4096;
 /// other points.
 constexpr float kMargin = 1.4f;
 /// Differences that are hard to see: of the normals of a large triangle, and of colours as a part of full
-/// brightness.
+/// brightness. They are properties of the eye: half or twice as much makes levels somewhat finer or coarser.
 constexpr float kNormalSlack_rad = 0.2f, kColorSlack = 2.0f / 255;
 
 glm::vec4 color_of(const Mesh& mesh, std::uint32_t vertex) {

@@ -30,7 +30,7 @@ struct Motion {
 };
 
 /// Whether two times are so close that nothing moves visibly between them. Predictions of display times have
-/// larger errors.
+/// larger errors: any limit from a microsecond to 0.1 ms would do.
 [[nodiscard]] constexpr bool same_instant(Time a, Time b) {
   return a - b <= std::chrono::microseconds(1) && b - a <= std::chrono::microseconds(1);
 }

@@ -129,6 +129,17 @@ TEST_F(AskingAgain, TriesSeldomIfEveryRequestWouldAskForTooMuch) {
   }
 }
 
+TEST_F(AskingAgain, OneLightOfThreeThatChangesLeavesTheOthersCarried) {
+  const StereoView views = eyes_of(head_at_camera(scene_), 256);
+  ask(1, views);
+  for (std::uint32_t number = 2; number <= 10; ++number) {
+    change(lights_, 0, number % 2 == 0, std::nullopt);
+    ask(number, views);
+    EXPECT_FALSE(asked_.whole()) << number;
+    EXPECT_GT(part_of(asked_), 0.3) << number;
+  }
+}
+
 /// Lenses that hide the left of each view, or of one: at first, while all lights change all the time, and
 /// after a jump, no ray is traced there, and the rest is as right as without lenses.
 TEST_F(AskingAgain, WhatLensesHideIsNotAskedForEvenIfNothingIsKnown) {

@@ -80,5 +80,16 @@ TEST(FailureLog, LogsTheFirstFailureAndThenOnePerIntervalWithACount) {
   EXPECT_EQ(log.failed("alone", Time(9s + 3 * FailureLog::kInterval)), "alone");
 }
 
+TEST(FailureLogs, HaveALogForEachSourceAndForgetThoseOfManySources) {
+  constexpr std::size_t kMost = 4;
+  FailureLogs<int> logs(kMost);
+  for (int source = 0; source < 100; ++source) {
+    EXPECT_EQ(logs.failed(source, "bad", Time(1s)), "bad");
+    EXPECT_EQ(logs.failed(source, "bad", Time(1s)), std::nullopt);
+    EXPECT_LE(logs.size(), kMost + 1);
+  }
+  EXPECT_EQ(logs.failed(98, "bad", Time(1s)), std::nullopt) << "the last ones are remembered";
+}
+
 }  // namespace
 }  // namespace farshade
