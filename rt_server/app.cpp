@@ -12,7 +12,6 @@
 #include "rt_server/fetch/scene_sender.h"
 #include "rt_server/keys/keys_in_use.h"
 #include "stereo/announce/announcer.h"
-#include "stereo/base/file_watch.h"
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
 #include "stereo/exposure/chosen_exposure.h"
@@ -23,9 +22,10 @@
 namespace farshade {
 namespace {
 
-KeySource keys_of(const ServeOptions& options) {
+/// Empty for the insecure key.
+std::filesystem::path key_ring_of(const ServeOptions& options) {
   if (options.insecure) return {};
-  return {options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring)};
+  return options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
 }
 
 Expected<UdpServer> open_port(const ServeOptions& options, const Clock& clock) {
@@ -187,10 +187,9 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (options.plan.prints_only) return print_plan(scene, plan);
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");
-  const KeySource source = keys_of(options);
-  FileWatch ring_file(source.ring);  // before it is read, so that no change is missed
-  const Expected<std::vector<SharedKey>> ring = load_keys(source);
-  if (!ring) return tl::unexpected(ring.error());
+  const Expected<LoadedKeys> loaded_keys = load_keys(key_ring_of(options));
+  if (!loaded_keys) return tl::unexpected(loaded_keys.error());
+  const std::vector<SharedKey> ring = valid_on(today_by_utc(), loaded_keys->ring);
   const Expected<UdpServer> server = open_port(options, clock);
   if (!server) return tl::unexpected(server.error());
   const Welcome served = welcome_of(options, scene, plan);
@@ -199,7 +198,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!tracer) return tl::unexpected(tracer.error());
   stages.end("tracer");
 
-  ServerCore core(served, *ring,
+  ServerCore core(served, ring,
                   make_answers({.scene = scene,
                                 .plan = plan,
                                 .tracer = *tracer,
@@ -207,11 +206,10 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                                 .memory = options.limits.memory}),
                   *server->port, clock, options.limits);
   print_what_is_served(scene, plan, *tracer);
-  print_keys(options, ring->size());
-  const auto sender = offer_scene(
-      options, server->addresses,
-      {options.scene, scene.files, options.lighting, served, valid_on(today_by_utc(), *ring)}, core);
-  KeysInUse keys(source, *ring, core, sender.get());
+  print_keys(options, loaded_keys->ring.size());
+  const auto sender = offer_scene(options, server->addresses,
+                                  {options.scene, scene.files, options.lighting, served, ring}, core);
+  KeysInUse keys(*loaded_keys, core, sender.get());
   stages.end("answers");
   say(fmt::format("rt_server: ready after {}", stages.in_words()));
   starting.reset();  // from here on, the end has something to clean up
@@ -220,15 +218,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   {
     Serving serving(core);
     const std::unique_ptr<Announcer> announcer = announce(options, server->addresses);
-    const auto reload = [&] {
-      ring_file.mark_as_seen();
-      keys.reload();
-    };
-    stop.wait([&] { print_counters(core, sender.get()); }, reload,
-              [&] {
-                keys.look_again();
-                if (!options.insecure && ring_file.has_changed()) reload();
-              });
+    stop.wait([&] { print_counters(core, sender.get()); }, [&] { keys.reload(); },
+              [&] { keys.look_again(); });
     if (!serving.end(kDrawn)) end_while_drawing(options, core, sender.get());
   }
   core.say_goodbye();

@@ -12,16 +12,20 @@
 #include "rt_server/fetch/scene_sender.h"
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
+#include "stereo/base/file_watch.h"
 #include "stereo/wire/key_file.h"
 
 namespace farshade {
 
-struct KeySource {
-  std::filesystem::path ring;  ///< empty: the insecure key alone
+struct LoadedKeys {
+  std::filesystem::path file;   ///< empty: `ring` is the insecure key alone
+  FileWatch watch;              ///< of `file`, from before it was read
+  std::vector<SharedKey> ring;  ///< not empty
 };
 
-/// At least one key. Errors: those of load_key_ring, and Missing for a ring without keys.
-[[nodiscard]] Expected<std::vector<SharedKey>> load_keys(const KeySource& source);
+/// The key ring in `file`, or the insecure key if it is empty. Errors: those of load_key_ring, and Missing
+/// for a ring without keys.
+[[nodiscard]] Expected<LoadedKeys> load_keys(const std::filesystem::path& file);
 
 /// Those of `ring` that have not expired.
 [[nodiscard]] std::vector<SharedKey> valid_on(std::chrono::sys_days day, std::vector<SharedKey> ring);
@@ -34,22 +38,22 @@ class KeysInUse {
  public:
   /// Tells both whom to accept, from the beginning. Keeps references to `core` and `sender`, which may be
   /// null.
-  KeysInUse(KeySource source, std::vector<SharedKey> ring, ServerCore& core, SceneSender* sender,
+  KeysInUse(LoadedKeys loaded, ServerCore& core, SceneSender* sender,
             std::function<std::chrono::sys_days()> today = today_by_utc);
 
   /// Reads the key ring again. While it cannot be read, nobody new is admitted, because the key of whoever
   /// comes may have been taken out of it.
   void reload();
 
-  /// Keys expire at the end of a day. A ring that could not be read is tried again.
+  /// Call it again and again. Keys expire at the end of a day. A ring that has changed is read again, and one
+  /// that could not be read, or has no key, is tried again.
   void look_again();
 
  private:
   void use();
   void complain(const std::string& what);
 
-  KeySource source_;
-  std::vector<SharedKey> ring_;
+  LoadedKeys loaded_;
   ServerCore& core_;
   SceneSender* sender_;
   std::function<std::chrono::sys_days()> today_;

@@ -29,12 +29,12 @@ class FailureLog {
 template <class Source>
 class FailureLogs {
  public:
-  /// Forgets all sources when there are more than `most`.
+  /// Forgets all sources when there would be more than `most`.
   explicit FailureLogs(std::size_t most) : most_(most) {}
 
   /// See FailureLog::failed().
   [[nodiscard]] std::optional<std::string> failed(const Source& source, const std::string& what, Time now) {
-    if (logs_.size() > most_) logs_.clear();
+    if (logs_.size() >= most_ && !logs_.contains(source)) logs_.clear();
     return logs_[source].failed(what, now);
   }
 

@@ -22,9 +22,9 @@ class KeysInUseTest : public FetchTest {
                   clock_);
   }
 
-  /// Whoever uses it in `ring`, which need not be in the file.
+  /// `ring` need not be what is in the file.
   KeysInUse keys_in_use(std::vector<SharedKey> ring) {
-    return {{ring_}, std::move(ring), *core_, &*sender_, [this] { return today_; }};
+    return {{ring_, FileWatch(ring_), std::move(ring)}, *core_, &*sender_, [this] { return today_; }};
   }
 
   [[nodiscard]] bool can_fetch(const SharedKey& key) const {
