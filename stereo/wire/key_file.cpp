@@ -127,12 +127,6 @@ class DuplicateCheck {
   std::map<Secret, std::size_t> secrets_;
 };
 
-Expected<std::string> read_text(const fs::path& path) {
-  return read_private_file(path, kMaxKeyFileBytes).map([](const std::vector<std::byte>& bytes) {
-    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  });
-}
-
 std::string text_of(std::chrono::sys_days day) {
   const std::chrono::year_month_day date(day);
   std::array<char, 16> text{};
@@ -141,14 +135,43 @@ std::string text_of(std::chrono::sys_days day) {
   return text.data();
 }
 
+std::string text_of(const KeyLimits& limits) {
+  std::string text;
+  if (limits.until) text += " until=" + text_of(*limits.until);
+  if (limits.sessions) text += " sessions=" + std::to_string(*limits.sessions);
+  if (limits.bytes_per_second) text += " bytes-per-second=" + std::to_string(*limits.bytes_per_second);
+  return text;
+}
+
 /// Text with secrets, which is overwritten when it is no longer needed.
 struct SecretText {
   std::string text;
   explicit SecretText(std::string from) : text(std::move(from)) {}
   SecretText(const SecretText&) = delete;
   SecretText& operator=(const SecretText&) = delete;
+  SecretText(SecretText&&) = default;
+  SecretText& operator=(SecretText&&) = delete;
   ~SecretText() { sodium_memzero(text.data(), text.size()); }
 };
+
+Expected<SecretText> read_text(const fs::path& path) {
+  return read_private_file(path, kMaxKeyFileBytes).map([](std::vector<std::byte> bytes) {
+    SecretText kept(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    sodium_memzero(bytes.data(), bytes.size());
+    return kept;
+  });
+}
+
+/// `ring` with a further line.
+SecretText with_line(const SecretText& ring, const SharedKey& key) {
+  const SecretText line(key_line(key));
+  std::string grown;  // never moves, as in key_line
+  grown.reserve(ring.text.size() + 1 + line.text.size());
+  grown += ring.text;
+  if (!ring.text.empty() && ring.text.back() != '\n') grown += '\n';
+  grown += line.text;
+  return SecretText(std::move(grown));
+}
 
 /// Makes the missing folders of `path`, for this user only.
 Expected<void> make_folders(const fs::path& path) {
@@ -241,13 +264,13 @@ std::string key_line(const SharedKey& key) {
   check(is_name(key.name), "a key has a name");
   std::array<char, 2 * sizeof key.secret + 1> digits{};
   sodium_bin2hex(digits.data(), digits.size(), key.secret.data(), key.secret.size());
-  std::string line = std::string(kFormat) + " " + key.name + " " + digits.data();
+  const std::string limits = text_of(key.limits);
+  std::string line;  // never moves, and so leaves no copy of the digits behind
+  line.reserve(kFormat.size() + key.name.size() + digits.size() + limits.size() + 2);
+  line.append(kFormat).append(" ").append(key.name).append(" ").append(digits.data());
   sodium_memzero(digits.data(), digits.size());
-  if (key.limits.until) line += " until=" + text_of(*key.limits.until);
-  if (key.limits.sessions) line += " sessions=" + std::to_string(*key.limits.sessions);
-  if (key.limits.bytes_per_second)
-    line += " bytes-per-second=" + std::to_string(*key.limits.bytes_per_second);
-  return line + "\n";
+  line.append(limits).append("\n");
+  return line;
 }
 
 Expected<SharedKey> load_key(const fs::path& path) {
@@ -260,15 +283,13 @@ Expected<SharedKey> load_key(const fs::path& path) {
 }
 
 Expected<std::vector<SharedKey>> load_key_ring(const fs::path& path) {
-  return read_text(path).and_then([&](std::string text) {
-    const SecretText kept(std::move(text));
-    return parse_keys(kept.text, path.string());
-  });
+  return read_text(path).and_then(
+      [&](const SecretText& ring) { return parse_keys(ring.text, path.string()); });
 }
 
 Expected<void> write_key(const fs::path& path, const SharedKey& key) {
   return make_folders(path).and_then(
-      [&] { return write_private_file(path, key_line(key), IfThere::Refuse); });
+      [&] { return write_private_file(path, SecretText(key_line(key)).text, IfThere::Refuse); });
 }
 
 Expected<void> append_to_ring(const fs::path& link, const SharedKey& key) {
@@ -278,10 +299,10 @@ Expected<void> append_to_ring(const fs::path& link, const SharedKey& key) {
   if (Expected<void> made = make_folders(path); !made) return made;
   const Expected<FolderLock> lock = FolderLock::of(path.parent_path());
   if (!lock) return tl::unexpected(lock.error());
-  Expected<std::string> text = read_text(path);
-  if (!text && text.error().fault == Fault::Missing) return write_key(path, key);
-  if (!text) return tl::unexpected(text.error());
-  const Expected<std::vector<SharedKey>> keys = parse_keys(*text, path.string());
+  const Expected<SecretText> ring = read_text(path);
+  if (!ring && ring.error().fault == Fault::Missing) return write_key(path, key);
+  if (!ring) return tl::unexpected(ring.error());
+  const Expected<std::vector<SharedKey>> keys = parse_keys(ring->text, path.string());
   if (!keys) return tl::unexpected(keys.error());
   for (const SharedKey& there : *keys)
     if (there.name == key.name || there.secret == key.secret)
@@ -289,11 +310,10 @@ Expected<void> append_to_ring(const fs::path& link, const SharedKey& key) {
                   path.string() + ": " +
                       (there.name == key.name ? "has a key named '" : "has the secret of '") + key.name +
                       "' already");
-  if (!text->empty() && text->back() != '\n') *text += '\n';
-  *text += key_line(key);
-  if (text->size() > kMaxKeyFileBytes || keys->size() == kMaxRingKeys)
+  const SecretText grown = with_line(*ring, key);
+  if (grown.text.size() > kMaxKeyFileBytes || keys->size() == kMaxRingKeys)
     return fail(Fault::OutOfRange, path.string() + ": the ring is full");
-  return write_private_file(path, *text, IfThere::Replace);
+  return write_private_file(path, grown.text, IfThere::Replace);
 }
 
 fs::path default_key_path() {

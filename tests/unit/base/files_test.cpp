@@ -4,10 +4,12 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 
 #include "stereo/base/file_watch.h"
+#include "tests/support/watched_fsync.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -78,6 +80,29 @@ TEST(IsPrivate, AFileOfOneUserOrOneThatRootGivesToAGroup) {
   }
   for (const unsigned mode : {0644u, 0604u, 0660u, 0620u, 0642u, 0602u, 0666u})
     for (const unsigned owner : {kRoot, kMe}) EXPECT_FALSE(is_private(mode, owner, kMe)) << mode;
+}
+
+TEST(WriteFile, APrivateOneIsOnTheDiskBeforeItIsRenamed) {
+  const ScratchFolder folder;
+  const fs::path home = fs::canonical(folder.path());
+  for (const IfThere if_there : {IfThere::Refuse, IfThere::Replace}) {
+    const WatchedFsync watched;
+    ASSERT_TRUE(write_private_file(home / "a", "text", if_there));
+    EXPECT_EQ(watched.synced, (std::vector{home / ("a.partial-" + std::to_string(::gettid())), home}));
+  }
+  const WatchedFsync watched;
+  ASSERT_TRUE(write_file_atomically(home / "b", "text"));
+  EXPECT_TRUE(watched.synced.empty()) << "others need not outlive a power cut";
+}
+
+TEST(WriteFile, APrivateOneThatDoesNotGetToTheDiskIsNotThere) {
+  const ScratchFolder folder;
+  WatchedFsync watched;
+  watched.fails_with = EIO;
+  const auto written = write_private_file(folder.path() / "a", "text", IfThere::Replace);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().fault, Fault::Unreadable);
+  EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
 TEST(WriteFile, NamesMissingFolder) {

@@ -243,6 +243,26 @@ TEST(LinkSession, IsNotEndedBySomebodyElse) {
   }
 }
 
+TEST(LinkSession, ANoSessionOfItsOwnAfterSilenceBringsAHelloAtOnce) {
+  WatchedBench bench(kSlow);
+  int hellos = 0;
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_client_envelope(datagram);
+    if (envelope && std::holds_alternative<Hello>(*envelope)) ++hellos;
+    return false;
+  };
+  const auto hellos_after = [&](SessionId lost) {
+    bench.forge(NoSession{lost});
+    bench.pass(2 * kWay);
+    return hellos;
+  };
+  bench.server.reset();
+  EXPECT_EQ(hellos_after(bench.session), 0) << "the server may be busy";
+  bench.pass(kServerSilenceAfterNoSession);
+  EXPECT_EQ(hellos_after({bench.session.value ^ 1}), 0) << "another session";
+  EXPECT_EQ(hellos_after(bench.session), 1);
+}
+
 TEST(LinkSession, BeginsAlthoughSomebodyElseRefuses) {
   LinkBench bench(each_way(25ms));
   HelloEcho echo{};

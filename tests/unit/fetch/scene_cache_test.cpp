@@ -5,10 +5,12 @@
 
 #include <array>
 #include <barrier>
+#include <cerrno>
 #include <csignal>
 #include <thread>
 
 #include "stereo/base/files.h"
+#include "tests/support/watched_fsync.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -172,6 +174,26 @@ TEST(SceneCache, KeepsWhatFitsOnAFullDisk) {
   EXPECT_EQ(cache.missing(), (ContentRange{4, kAll.size()}));
   ASSERT_TRUE(cache.append(bytes_of(kAll).subspan(4))) << "after room was made";
   EXPECT_FALSE(cache.missing());
+}
+
+TEST(SceneCache, AFileIsOnTheDiskBeforeItIsRenamed) {
+  const ScratchFolder scratch;
+  SceneCache cache = open_three(fs::canonical(scratch.path()));
+  const fs::path parts = cache.scene().parent_path().string() + ".part";
+  const WatchedFsync watched;
+  ASSERT_TRUE(cache.append(bytes_of(kAll)));
+  EXPECT_EQ(watched.synced, (std::vector{parts / "0", parts / "1", parts / "2"}));
+}
+
+TEST(SceneCache, AFileThatDoesNotGetToTheDiskIsNotTaken) {
+  const ScratchFolder scratch;
+  SceneCache cache = open_three(scratch.path());
+  WatchedFsync watched;
+  watched.fails_with = EIO;
+  const Expected<void> done = cache.append(bytes_of(kAll));
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().fault, Fault::Unreadable);
+  EXPECT_FALSE(fs::exists(cache.scene()));
 }
 
 TEST(SceneCache, RefusesASceneForWhichTheDiskHasNoRoom) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/watched_sodium.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {
@@ -134,6 +135,17 @@ TEST_F(GateTest, EveryFlippedBitOfACookieGetsARetry) {
     EXPECT_EQ(knock(flipped, kStart), nullptr);
     EXPECT_TRUE(says_retry()) << bit;
   }
+}
+
+/// A client without a cookie is compared with the cookies of this period and of the last one.
+TEST_F(GateTest, ComparesACookieInATimeThatDoesNotTellWhereItDiffers) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const Client known = with_cookie(kStart), stranger;
+  const WatchedSodium watched;
+  EXPECT_TRUE(knock(known, kStart));
+  EXPECT_FALSE(knock(stranger, kStart));
+  constexpr std::size_t kCookie = sizeof(Cookie), kProof = sizeof Hello::proof;
+  EXPECT_EQ(watched.compared, (std::vector{kCookie, kProof, kCookie, kCookie}));
 }
 
 /// Before a stranger's address is proved, the server tells it nothing about keys.

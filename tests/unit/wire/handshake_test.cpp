@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "tests/support/watched_sodium.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {
@@ -85,6 +86,25 @@ TEST(Handshake, HelloIsProvedByItsKeyAlone) {
   const Answered h;
   EXPECT_TRUE(is_proved(read_hello(h.hello), h.hello, shared_key()));
   EXPECT_FALSE(is_proved(read_hello(h.hello), h.hello, kStrangersKey));
+}
+
+TEST(Handshake, AProofIsComparedInATimeThatDoesNotTellWhereItDiffers) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const Answered h;
+  const Hello hello = read_hello(h.hello);
+  const WatchedSodium watched;
+  EXPECT_TRUE(is_proved(hello, h.hello, shared_key()));
+  EXPECT_FALSE(is_proved(hello, h.hello, kStrangersKey));
+  EXPECT_EQ(watched.compared, std::vector(2, sizeof hello.proof));
+}
+
+TEST(Handshake, AHashLeavesNoStateBehind) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const Answered h;
+  const Hello hello = read_hello(h.hello);
+  const WatchedSodium watched;
+  EXPECT_TRUE(is_proved(hello, h.hello, shared_key()));
+  EXPECT_EQ(std::ranges::count(watched.wiped, sizeof(crypto_generichash_state)), 1);
 }
 
 /// Any changed bit of public key, key name, scene hash, cookie or proof is detected.

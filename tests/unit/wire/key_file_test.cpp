@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 #include <set>
 #include <thread>
 
 #include "stereo/base/files.h"
+#include "tests/support/watched_sodium.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -201,6 +203,44 @@ TEST(SharedKey, LeavesNoSecretBehind) {
       static_cast<std::size_t>(reinterpret_cast<std::byte*>(key->secret.data()) - room.data());
   key->~SharedKey();
   for (std::size_t i = 0; i < 32; ++i) EXPECT_EQ(room.at(at + i), std::byte{0}) << i;
+}
+
+constexpr std::size_t kDigits_bytes = 2 * sizeof SharedKey::secret + 1;
+
+TEST(KeyFile, LeavesNoDigitsOfItsSecretBehind) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const ScratchFolder folder;
+  const SharedKey key = key_of("a", 1);
+  const std::string line = key_line(key);
+  const WatchedSodium watched;
+  ASSERT_TRUE(write_key(folder.path() / "a.key", key));
+  EXPECT_EQ(std::ranges::count(watched.wiped, kDigits_bytes), 1);
+  EXPECT_EQ(std::ranges::count(watched.wiped, line.size()), 1);
+}
+
+TEST(KeyRing, LeavesNoTextBehindWhenItIsRead) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "ring";
+  ASSERT_TRUE(append_to_ring(path, key_of("a", 1)));
+  const WatchedSodium watched;
+  ASSERT_TRUE(load_key_ring(path));
+  EXPECT_EQ(std::ranges::count(watched.wiped, fs::file_size(path)), 2) << "its bytes and its text";
+}
+
+TEST(KeyRing, LeavesNoTextBehindWhenItGrows) {
+  if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "ring";
+  const SharedKey key = key_of("another", 2);
+  const std::string line = key_line(key);
+  ASSERT_TRUE(append_to_ring(path, key_of("a", 1)));
+  const auto before = fs::file_size(path);
+  const WatchedSodium watched;
+  ASSERT_TRUE(append_to_ring(path, key));
+  EXPECT_EQ(std::ranges::count(watched.wiped, before), 2) << "its bytes and its text";
+  EXPECT_EQ(std::ranges::count(watched.wiped, line.size()), 1);
+  EXPECT_EQ(std::ranges::count(watched.wiped, before + line.size()), 1);
 }
 
 TEST(KeyRing, RefusesADuplicateNameOrSecret) {
