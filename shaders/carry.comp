@@ -68,6 +68,7 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   float step_px = max(abs(source.origin_step.z), abs(source.origin_step.w));
   float tolerance = ((kFootprint + 2.0 * kDetail_px) * step_px + kRounding) * there;
   bool within = all(greaterThanEqual(quad, ivec2(0))) && all(lessThanEqual(quad, last));
+  // Where a depth is missing, `between` is too small, so `same` alone would refuse almost all of these points, too.
   bool covered = all(greaterThan(depths, vec4(0.0)));
   bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
   bool facing = on_seen_side(source, eye, depths, part, p.xy * inverse_z, between);

@@ -22,7 +22,8 @@ struct Projection {
 
 // The depth stored at a traced pixel may differ from the plane's depth there by half of the plane's change between the
 // point and the pixel's centre (surfaces bend, normals are rounded), by a pixel's footprint, by the geometric error of the
-// levels of detail in both views, and by float rounding.
+// levels of detail in both views, and by float rounding. The rounding only matters for pixels smaller than 1e-6 rad:
+// kRounding may be 0 or ten times as large.
 const float kBend = 0.5, kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
 const uint kNewest = 0;  // the source: this eye's newest mask

@@ -167,5 +167,30 @@ TEST_F(Formula, RangeAndConeFallOffAsTheExtensionSays) {
   EXPECT_EQ(wrong, 0u) << "of " << checked;
 }
 
+/// A light so near to a pixel's point that its irradiance is infinite in float. All pixels are in shadow.
+TEST_F(Formula, AnInfiniteIrradianceIsDarkInShadow) {
+  const StereoView views = eyes_of(head_looking({0, 0, 0.5}, {0, 0, 0}), 192);
+  const glm::dvec3 ray = pixel_ray(tangents_of(views[0].fov), views[0].size, {96.5, 96.5});
+  const glm::dvec3 point = views[0].stage_from_eye.translation + 0.5 * ray;
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
+  builder.point_light(point + glm::dvec3(0, 0, 1e-5));
+  Scene scene = builder.build();
+  scene.lights[0].intensity = glm::vec3(1e30f);
+  scene.ambient = 0.2f;
+  TestRig rig(device_, std::move(scene), 192);
+  Mask dark = rig.ask(kTraced, views);
+  for (EyeMask& bits : dark.bits) bits = EyeMask(bits.size(), bits.layout());
+  const Shown shown = rig.show(views, {dark.traced_mask()}, kPlainCarryOver);
+  const int grey = srgb8(0.2);
+  std::size_t checked = 0, wrong = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    ++checked;
+    wrong += source != 0 || std::abs(int{shown.pictures[index_of(side)].at(x, y).x} - grey) > 1;
+  });
+  EXPECT_EQ(checked, kEyes * 192 * 192);
+  EXPECT_EQ(wrong, 0u);
+}
+
 }  // namespace
 }  // namespace farshade

@@ -164,6 +164,34 @@ TEST_F(Carry, AsksOnlyForTheLightsThatHaveAnEdgeThere) {
   EXPECT_LT(pixels[3], pixels[1] / 4) << "edges of different lights seldom lie in one block";
 }
 
+struct CarryStep {
+  double footprints;
+  float detail_px;
+  bool is_one_surface;
+};
+
+/// The new views are half a pixel away from the mask's. In each row, one point lies in the middle between the
+/// two pixels beside the step, and the depth between them differs from the point's by half of the step.
+TEST_F(Carry, TakesSurfacesWithinTheToleranceForOne) {
+  for (const CarryStep& step : {CarryStep{1.4, 0, true}, {3, 0, false}, {5, 1, true}, {9, 1, false}}) {
+    const SteppedWall wall{.side_px = kSide_px, .step = step.footprints};
+    TestRig rig(device_, wall.scene(), kSide_px, 4, step.detail_px);
+    const Mask base = rig.ask(kTraced, wall.views(0.25));
+    const StereoView views = wall.views(0.75);
+    const CarriedOver carried = rig.carry(kNow, views, base).value();
+    std::size_t wrong = 0;
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+        if (std::min(x, y) < 8 || std::max(x, y) >= kSide_px - 8) return;
+        const bool is_beside_step = x / kBlockSide_px == (kSide_px / 2 - 1) / kBlockSide_px;
+        const bool is_asked = (asked_bits(carried.asked, eye, views[eye].size, {x, y}) & 1) != 0;
+        wrong += is_asked != (is_beside_step && !step.is_one_surface);
+      });
+    EXPECT_EQ(wrong, 0u) << "pixels at a step of " << step.footprints << " footprints, with a detail of "
+                         << step.detail_px << " px";
+  }
+}
+
 TEST_F(Carry, AsksForTilesThatHaveNotCome) {
   TestRig rig(device_, bundled("room.glb"), kSide_px);
   const StereoView views = rig.eyes(rig.head());

@@ -264,6 +264,40 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
   EXPECT_EQ(known, 0u) << "the view of the front saw neither the sheet's back nor the wall behind the eye";
 }
 
+struct WallCase {
+  double slope, footprints;
+  float detail_px;
+  bool is_one_surface;
+};
+
+/// In each row, one point right of the step takes its bits from a pixel that saw the wall left of the step.
+/// The pixel's centre is 0.4 pixels away from the point. The slanted walls change by 3.2 footprints in 0.4
+/// pixels, and 8 bits represent their normal exactly.
+TEST_F(Reproject, TakesSurfacesWithinTheToleranceForOne) {
+  constexpr std::uint32_t kWide_px = 192, kBeforeStep = kWide_px / 2 - 1;
+  constexpr double kSlanted = 113.0 / 14;
+  for (const WallCase& tested : {WallCase{0, 0.7, 0, true},
+                                 {0, 1.4, 0, false},
+                                 {kSlanted, 2.2, 0, true},
+                                 {kSlanted, 3.4, 0, false},
+                                 {0, 2.4, 1, true},
+                                 {0, 4, 1, false}}) {
+    const SteppedWall wall{.side_px = kWide_px, .slope = tested.slope, .step = tested.footprints};
+    TestRig rig(device_, wall.scene(), kWide_px, 4, tested.detail_px);
+    const Mask traced = rig.ask(kTraced, wall.views(0.3));
+    std::size_t checked = 0, wrong = 0;
+    for_covered(rig.show(wall.views(0.7), {traced.traced_mask()}, kPlainCarryOver),
+                [&](Side, std::uint32_t x, std::uint32_t, std::uint8_t source) {
+                  if (x < kBeforeStep - 8 || x > kBeforeStep + 8) return;
+                  ++checked;
+                  wrong += (source == kSourceUnknown) != (x == kBeforeStep && !tested.is_one_surface);
+                });
+    EXPECT_EQ(checked, kEyes * 17 * kWide_px);
+    EXPECT_EQ(wrong, 0u) << "pixels at a step of " << tested.footprints << " footprints, slope "
+                         << tested.slope << ", with a detail of " << tested.detail_px << " px";
+  }
+}
+
 TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
   TestRig rig(device_, bundled("box_over_plane.gltf"), 128, 2);
   const StereoView before = rig.eyes(moved(rig.head(), 3 * kDegree, {0.05, 0, 0})),

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <random>
 #include <stdexcept>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "stereo/frame/tiles.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/math/rotation.h"
+#include "stereo/plan/scene_plan.h"
 #include "stereo/scene/gltf.h"
 #include "tests/oracle/scene_builder.h"
 
@@ -31,6 +33,12 @@ gpu::Device& shared_device() {
 
 constexpr double kEyeDistance_m = 0.063;
 constexpr EyeFov kLeftFov{-0.60, 0.50, 0.52, -0.56};
+constexpr double kWallDistance_m = 2, kWallFov_rad = 1.4;
+
+/// The width of a pixel's footprint at distance 1, in views of a SteppedWall.
+double pixel_width(std::uint32_t side_px) {
+  return 2 * std::tan(kWallFov_rad / 2) / side_px;
+}
 
 }  // namespace
 
@@ -98,6 +106,23 @@ StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px) {
   return views;
 }
 
+Scene SteppedWall::scene() const {
+  constexpr float kHalfLength_m = 4;
+  const glm::vec3 along = kHalfLength_m * glm::normalize(glm::vec3(1, 0, slope)), up(0, 9, 0);
+  const double nearer = kWallDistance_m * (1 - 1 / (1 + step * pixel_width(side_px)));
+  SceneBuilder builder;
+  builder.add(quad(-along, along, up));
+  builder.add(quad(along + glm::vec3(0, 0, nearer), along, up));
+  builder.directional_light({0, 0, -1});
+  return builder.build();
+}
+
+StereoView SteppedWall::views(double left_px) const {
+  const double x = left_px * pixel_width(side_px) * kWallDistance_m;
+  const View view = look({x, 0, kWallDistance_m}, {x, 0, 0}, side_px, kWallFov_rad);
+  return {view, view};
+}
+
 TracedMask Mask::traced_mask() const {
   std::uint64_t content = 0;
   const auto add = [&content](const void* data, std::size_t bytes) {
@@ -151,14 +176,15 @@ void for_covered(const Shown& shown, const Visit& visit) {
   }
 }
 
-TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames)
+TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
+                 float detail_px)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
       depth_frames_(depth_frames),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(std::make_unique<Renderer>(
-          device, scene_,
+          device, scene_, plan_for(scene_, {.all_lights = true, .detail_px = detail_px}).draw,
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
 }
 

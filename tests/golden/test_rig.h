@@ -50,6 +50,18 @@ class OnLavapipe : public testing::Test {
 /// Both eyes of `head`, 63 mm apart, with an asymmetric fov of about 63 x 62 degrees.
 [[nodiscard]] StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px);
 
+/// A wall with a vertical step in its middle, for tests of what counts as one surface. From left to right on
+/// the screen, inverse distance increases by `slope` footprints of a pixel in each pixel, and at the step by
+/// `step`, as shares of the inverse distance at the step.
+struct SteppedWall {
+  std::uint32_t side_px = 0;  ///< of views
+  double slope = 0, step = 0;
+
+  [[nodiscard]] Scene scene() const;
+  /// Both eyes at the same place, looking along -z. The step is `left_px` pixels left of the middle.
+  [[nodiscard]] StereoView views(double left_px) const;
+};
+
 /// A mask that owns its data.
 struct Mask {
   FrameId frame;
@@ -93,8 +105,10 @@ void for_covered(const Shown& shown, const Visit& visit);
 
 class TestRig {
  public:
-  /// Shown eyes have `side_px` x `side_px` pixels. Traced views may be a quarter larger.
-  TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4);
+  /// Shown eyes have `side_px` x `side_px` pixels. Traced views may be a quarter larger. The renderer allows
+  /// for an error of `detail_px` pixels of levels of detail, but draws none.
+  TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4,
+          float detail_px = 0);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const Renderer& renderer() const { return *renderer_; }
