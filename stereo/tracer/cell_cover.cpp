@@ -10,7 +10,8 @@ namespace farshade {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Relative margin of depths, which are later compared in float.
+/// Relative margin of depths, which are later compared in float. It may be 0 while CellFrame::rounding is at
+/// least 4 u M.
 constexpr double kDepthShare = 1e-5;
 
 /// A corner in front of a face, homogeneous: x and y are in cells times w. `near` grows towards the light and
@@ -106,7 +107,8 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
   double least_w = kInfinity, top = kInfinity, bottom = -kInfinity;
   for (std::size_t i = 0; i < polygon.count; ++i) least_w = std::min(least_w, polygon.corner[i].w);
   const auto side = static_cast<std::uint32_t>(frame.side);
-  if (frame.cube && least_w <= 4 * frame.rounding) {  // it touches the light: it may block any direction
+  // It touches the light: it may block any direction. A larger factor is as certain and proves less.
+  if (frame.cube && least_w <= 4 * frame.rounding) {
     for (std::uint32_t i = 0; i < side * side; ++i) touched.push_back({first_cell + i, 0.0f});
     return;
   }

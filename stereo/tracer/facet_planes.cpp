@@ -18,13 +18,15 @@ using Corners = std::array<glm::dvec3, 3>;
 /// in the intersection with a plane, for triangles less than kShape times as long as high. Each further
 /// multiple adds 2 u M in the products of the traversal's normal. So kDoubt = 32 leaves 8 u M for the plane's
 /// own arithmetic (light_proof.h) and 22 u M for the thickness of the slab. Triangles thinner than 1 /
-/// kThinnest get no plane.
+/// kThinnest get no plane. This only saves planes, which would prove hardly anything with such a doubt: 1e2
+/// to 1e6 are as right.
 constexpr double kDoubt = 32, kShape = 8, kDoubtPerShape = 2, kThinnest = 1e4;
 /// Largest thickness of a slab of several triangles, in u M. The slab of a single triangle is at most 4 u M
-/// thick.
+/// thick. A lower limit joins fewer triangles. Up to 22 u M, rays from the slab's lower side still start
+/// beyond its doubt.
 constexpr double kJoined = 12;
 /// Errors are proportional to the largest coordinate M, so triangles share a plane only if their M is within
-/// this factor.
+/// this factor. A smaller factor only shares fewer planes.
 constexpr double kSameReach = 1.25;
 /// How many of the newest planes a triangle is compared with.
 constexpr std::size_t kRecent = 8;

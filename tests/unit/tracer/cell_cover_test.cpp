@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
@@ -75,17 +76,39 @@ TEST(CellCover, HoldsPointsThatRoundingHasMoved) {
   expect_covers(frame, 0.5, 20261129);
 }
 
-TEST(CellCover, IsTight) {
-  // 1.6 m from the light, half a cell wide, in the middle of a cell.
-  const glm::dvec3 at = cube().origin.v + glm::dvec3(1.6, 0.1, 0.1);
+/// Three times the rounding from the light, where a displacement may turn its direction anywhere.
+TEST(CellCover, ATriangleThatTouchesTheLightIsInEveryCellOfItsFace) {
+  CellFrame frame = cube();
+  frame.rounding = 0.02;
+  const glm::dvec3 at = frame.origin.v + glm::dvec3(0.06, 0, 0);
   std::vector<CellTouch> touched;
-  cover(cube(),
-        {Point<Anchor>{at - glm::dvec3(0, 0.05, 0.05)},
-         {at + glm::dvec3(0, 0.05, 0)},
-         {at + glm::dvec3(0, 0, 0.05)}},
+  cover(frame,
+        {Point<Anchor>{at - glm::dvec3(0, 0.03, 0.03)},
+         {at + glm::dvec3(0, 0.03, 0)},
+         {at + glm::dvec3(0, 0, 0.03)}},
         touched);
-  ASSERT_EQ(touched.size(), 1u);
-  EXPECT_NEAR(touched[0].depth, 1.6, 1e-4);
+  EXPECT_EQ(
+      std::ranges::count_if(
+          touched, [](const CellTouch& touch) { return touch.cell < kSide * kSide && touch.depth == 0; }),
+      kSide * kSide);
+}
+
+TEST(CellCover, IsTight) {
+  // 1.6 m from the light: half a cell wide in the middle of a cell, and over several rows and columns.
+  const glm::dvec3 at = cube().origin.v + glm::dvec3(1.6, 0.1, 0.1);
+  for (const double half : {0.05, 0.5}) {
+    std::vector<CellTouch> touched;
+    cover(cube(),
+          {Point<Anchor>{at - glm::dvec3(0, half, half)},
+           {at + glm::dvec3(0, half, 0)},
+           {at + glm::dvec3(0, 0, half)}},
+          touched);
+    EXPECT_EQ(touched.size() == 1, half < 0.1) << touched.size();
+    for (const CellTouch& touch : touched) {
+      EXPECT_LE(touch.depth, 1.6);
+      EXPECT_GT(touch.depth, 1.6 - 1e-4);
+    }
+  }
 }
 
 }  // namespace

@@ -136,6 +136,18 @@ TEST(TracerCulling, AStepSmallerThanTheOffsetSparesMostRays) {
   EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 9);
 }
 
+/// A floor's middle, and its parts on both sides, with 2.2 times the largest coordinate. One plane for all
+/// would be so uncertain that no point of the middle would be proved lit.
+TEST(TracerCulling, PartsOfAFloorFarAsideSpareTheRaysOfItsMiddle) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {1, 0, 0}, {0, 0, -1}));
+  for (const float x : {-1.6f, 1.6f}) build.add(quad({x, 0, 0}, {0.6f, 0, 0}, {0, 0, -1}));
+  build.point_light({0.3, 2, 0.1});
+  const StereoView views{look({0.1, 3, 0.2}, {0, 0, 0}, 64, 0.4), look({-0.1, 3, 0.2}, {0, 0, 0}, 64, 0.4)};
+  const TraceStats stats = expect_same_bits(build.build(), views);
+  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 9);
+}
+
 TEST(TracerCulling, RaysGoOnlyWhereABoxMayOcclude) {
   SceneBuilder build = hall();
   build.add(box({0.3f, -1, -0.2f}, {0.25f, 0.25f, 0.25f}));

@@ -148,6 +148,17 @@ TEST(FacetPlanes, ContainTheirTrianglesAndAllowForTheTraversalsRounding) {
   }
 }
 
+/// A triangle 100 times as long as high: 24 u M for the traversal, 8 u M for the plane's arithmetic, and
+/// 2 u M for each multiple above 8.
+TEST(FacetPlanes, AllowMoreForThinTriangles) {
+  SceneBuilder build;
+  build.add(triangle_soup({{-50, 0, 0}, {50, 0, 0}, {0, 0, -1}}));
+  const Scene scene = build.build();
+  const SurfaceModel model(scene, state_at(scene, Time{}), plan_for(scene, {.all_lights = true}).trace);
+  const FacetPlane plane = planes_of(model).planes.at(0);
+  EXPECT_NEAR(plane.doubt * (1 << 24) / plane.reach, 24 + 8 + 2 * (100 - 8), 1);
+}
+
 /// Starts of shadow rays at 0.3 and 20 times the plane's tolerance above the floor.
 TEST(LightProof, NeedsMoreThanThePlanesToleranceAboveIt) {
   const Scene scene = tilted_floor();

@@ -176,6 +176,30 @@ TEST(PlacedSurface, LiftsRaysAtAnEdgeAsFarAsBesideIt) {
   }
 }
 
+/// A wall that covers one half of the view, and a wall behind it. Their rounded positions may belong to one
+/// plane up to a step of four times E (placed_surface.h), or 3.5 steps of the grid.
+TEST(PlacedSurface, IsSureOfANormalExceptBesideAnEdgeOrALargeStep) {
+  const double step = grid_of({{-3, -3, 0}}, {{3, 3, 0}}, 10).step_m;
+  const View view = look({0, 0, 3}, {0, 0, 0}, 3 * kTileSide_px, 0.9);
+  for (const auto& [behind, is_edge] : {std::pair(6.0, true), {5 * step, true}, {3 * step, false}}) {
+    SCOPED_TRACE(behind);
+    SceneBuilder build;
+    build.add(quad({-1.5, 0, 0}, {1.5, 0, 0}, {0, 3, 0}));
+    build.add(quad({0, 0, -behind}, {3, 0, 0}, {0, 3, 0}));
+    const Scene scene = build.build();
+    const Placed from = placed(scene, view, seen(scene, view), 10);
+    const Rigid<Anchor, Stage> unmoved{};
+    const PlacedEye eye{from.planes[0], unmoved(from.grid.low), from.grid.step_m, rays_of(view, unmoved), 6};
+    PlacedSurface surface;
+    place_tile(eye, {kTileSide_px, kTileSide_px, 2 * kTileSide_px, 2 * kTileSide_px}, surface);
+    for (int i = 0; i < kTilePixels; ++i) {
+      const std::uint32_t x = kTileOrder[static_cast<std::size_t>(i)].x;
+      const bool is_beside = x == kTileSide_px / 2 - 1 || x == kTileSide_px / 2;
+      EXPECT_EQ(surface.tilt[i] < 1, !(is_edge && is_beside)) << i;
+    }
+  }
+}
+
 /// A box over a floor: its shadow on paper. Bits within `off` m of the shadow's edge are not tested.
 TEST(PositionTrace, MatchesPaperAnswerForBoxOverPlane) {
   SceneBuilder build;

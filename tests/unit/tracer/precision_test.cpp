@@ -51,6 +51,57 @@ TEST(TracerPrecision, MovingMeshHoldsAThousandKilometresFromTheOrigin) {
   expect_agrees(build.build(), eyes(1, far), time_from_ns(500'000'000), kMostInFarBand);
 }
 
+/// A square wall across the x axis that moves.
+struct Wall {
+  glm::dvec3 place;
+  double half_m;
+  /// The node is turned, and its parent is scaled by this along y and z. A small scale makes the transform
+  /// badly conditioned.
+  double flat = 1;
+};
+
+/// The wall is lit from both sides. The anchor is at the stage's origin, where two small boxes stand.
+Scene scene_of(const Wall& wall) {
+  SceneBuilder build;
+  for (const float x : {-0.5f, 0.5f}) build.add(box({x, 0, 0}, {0.25f, 0.25f, 0.25f}));
+  const std::uint32_t parent = build.joint(std::nullopt, wall.place);
+  NodeTransform turned;
+  turned.rotation = glm::angleAxis(1.0, glm::dvec3(0, 0, 1));
+  const double half = wall.half_m / wall.flat;
+  const glm::dvec3 up = glm::inverse(turned.rotation) * glm::dvec3(0, half, 0);
+  const std::uint32_t node = build.add(quad({}, glm::vec3(up), glm::vec3(0, 0, half)), 0, turned);
+  build.move(node, {0, 0, 0.1});
+  for (const double x : {-1.0, 1.0}) build.directional_light({x, 0.1, 0.1});
+  Scene scene = build.build();
+  scene.nodes[parent].rest.scale = {1, wall.flat, wall.flat};
+  scene.nodes[node].parent = parent;
+  return scene;
+}
+
+/// Each eye sees nothing but one side of the wall.
+void expect_all_lit(const Wall& wall, const glm::dvec3& seen) {
+  SCOPED_TRACE(testing::Message() << seen.x << ", " << wall.half_m << ", " << wall.flat);
+  const StereoView views{look(seen + glm::dvec3(1, 0, 0), seen, 64, 1.0),
+                         look(seen - glm::dvec3(1, 0, 0), seen, 64, 1.0)};
+  const ShadowFrame frame = traced(scene_of(wall), views);
+  for (std::uint32_t eye = 0; eye < 2; ++eye) {
+    int dark = 0;
+    for (std::uint32_t i = 0; i < 64 * 64; ++i) dark += !frame.masks[eye].lit(i % 64, i / 64, eye);
+    EXPECT_EQ(dark, 0) << "eye " << eye;
+  }
+}
+
+/// The error of the transform's inverse is equal for all rays. It may be small or on the harmless side, so
+/// the walls are at several places.
+TEST(TracerPrecision, AMovingWallHasNoAcneHoweverFarLargeOrSheared) {
+  for (const double x : {0.3, 1.7, 3.0}) {
+    const glm::dvec3 seen(x, 1000, 0);
+    expect_all_lit({.place = seen, .half_m = 1}, seen);
+    expect_all_lit({.place = {x, 0, 0}, .half_m = 1100}, seen);
+    expect_all_lit({.place = seen, .half_m = 1, .flat = 3e-4}, seen);
+  }
+}
+
 TEST(TracerPrecision, FarLightActsLikeADirectionalOne) {
   for (const double distance : {100.0, 1e4, 1e7}) {
     SceneBuilder build;
