@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
+#include <utility>
 
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
@@ -22,9 +24,9 @@
 namespace farshade {
 namespace {
 
-/// Empty for the insecure key.
-std::filesystem::path key_ring_of(const ServeOptions& options) {
-  if (options.insecure) return {};
+/// None for the insecure key.
+std::optional<std::filesystem::path> key_ring_of(const ServeOptions& options) {
+  if (options.insecure) return std::nullopt;
   return options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
 }
 
@@ -187,7 +189,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (options.plan.prints_only) return print_plan(scene, plan);
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");
-  const Expected<LoadedKeys> loaded_keys = load_keys(key_ring_of(options));
+  Expected<LoadedKeys> loaded_keys = load_keys(key_ring_of(options));
   if (!loaded_keys) return tl::unexpected(loaded_keys.error());
   const std::vector<SharedKey> ring = valid_on(today_by_utc(), loaded_keys->ring);
   const Expected<UdpServer> server = open_port(options, clock);
@@ -209,7 +211,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   print_keys(options, loaded_keys->ring.size());
   const auto sender = offer_scene(options, server->addresses,
                                   {options.scene, scene.files, options.lighting, served, ring}, core);
-  KeysInUse keys(*loaded_keys, core, sender.get());
+  KeysInUse keys(*std::move(loaded_keys), core, sender.get());
   stages.end("answers");
   say(fmt::format("rt_server: ready after {}", stages.in_words()));
   starting.reset();  // from here on, the end has something to clean up

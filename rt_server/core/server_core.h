@@ -119,7 +119,8 @@ class ServerCore {
   // Used by the thread that calls receive() and send_due().
   void log(const ClientEvent& event);
   /// By reason and key; strangers have one entry for all.
-  /// The ring has at most kMaxRingKeys, and a key few reasons. Those of keys that have gone are forgotten.
+  /// A ring has at most kMaxRingKeys, with four reasons each. More entries are of keys that have gone, and
+  /// all are forgotten.
   FailureLogs<std::pair<ClientEvent::Kind, std::optional<KeyId>>> refusals_{4 * kMaxRingKeys};
   std::vector<std::byte> datagram_;
 };

@@ -4,18 +4,20 @@
 
 #include <utility>
 
+#include "stereo/wire/handshake.h"
+
 namespace farshade {
 namespace {
 
 constexpr Duration kBetweenComplaints = std::chrono::minutes(1);
 
-Expected<std::vector<SharedKey>> read_keys(const std::filesystem::path& file) {
-  if (file.empty()) return std::vector{insecure_key()};
-  Expected<std::vector<SharedKey>> ring = load_key_ring(file);
+Expected<std::vector<SharedKey>> read_keys(const std::optional<std::filesystem::path>& file) {
+  if (!file) return std::vector{insecure_key()};
+  Expected<std::vector<SharedKey>> ring = load_key_ring(*file);
   if (!ring && ring.error().fault == Fault::Missing)
     return fail(
         Fault::Missing,
-        "no keys at " + file.string() +
+        "no keys at " + file->string() +
             ": bring the key of a client with rt_server pair, make one with rt_server keygen NAME, or name "
             "another ring with --keys");
   return ring;
@@ -28,11 +30,11 @@ std::string no_key_in(const std::filesystem::path& file) {
 
 }  // namespace
 
-Expected<LoadedKeys> load_keys(const std::filesystem::path& file) {
-  const FileWatch watch(file);
+Expected<LoadedKeys> load_keys(const std::optional<std::filesystem::path>& file) {
+  const FileWatch watch(file.value_or(""));
   Expected<std::vector<SharedKey>> ring = read_keys(file);
   if (!ring) return tl::unexpected(ring.error());
-  if (ring->empty()) return fail(Fault::Missing, no_key_in(file));
+  if (ring->empty()) return fail(Fault::Missing, no_key_in(*file));
   return LoadedKeys{file, watch, *std::move(ring)};
 }
 
@@ -52,8 +54,12 @@ KeysInUse::KeysInUse(LoadedKeys loaded, ServerCore& core, SceneSender* sender,
 }
 
 void KeysInUse::reload() {
+  loaded_.watch.mark_as_seen();
+  read_again();
+}
+
+void KeysInUse::read_again() {
   auto& [file, watch, keys] = loaded_;
-  watch.mark_as_seen();
   Expected<std::vector<SharedKey>> ring = read_keys(file);
   is_read_ = ring.has_value();
   if (ring) keys = *std::move(ring);
@@ -62,15 +68,16 @@ void KeysInUse::reload() {
   if (!is_read_)
     complain("nobody new is admitted, because the key ring cannot be read: " + ring.error().what);
   else if (keys.empty())
-    complain(no_key_in(file));
+    complain(no_key_in(*file));
   else
     spdlog::info("the key ring was read again: {} {}", keys.size(), keys.size() == 1 ? "key" : "keys");
 }
 
 void KeysInUse::look_again() {
   if (today_() != day_) use();
-  if (!is_read_ || loaded_.ring.empty()) reload();
-  if (!loaded_.file.empty() && loaded_.watch.has_changed()) reload();
+  // This may read what is only half written, and is not marked as seen: then the watch reads the rest.
+  if (!is_read_ || loaded_.ring.empty()) read_again();
+  if (loaded_.file && loaded_.watch.has_changed()) read_again();
 }
 
 void KeysInUse::use() {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,16 +19,16 @@
 namespace farshade {
 
 struct LoadedKeys {
-  std::filesystem::path file;   ///< empty: `ring` is the insecure key alone
-  FileWatch watch;              ///< of `file`, from before it was read
-  std::vector<SharedKey> ring;  ///< not empty
+  std::optional<std::filesystem::path> file;  ///< without one, `ring` is the insecure key alone
+  FileWatch watch;                            ///< of `file`, from before it was read
+  std::vector<SharedKey> ring;                ///< not empty
 };
 
-/// The key ring in `file`, or the insecure key if it is empty. Errors: those of load_key_ring, and Missing
+/// The key ring in `file`, or the insecure key without one. Errors: those of load_key_ring, and Missing
 /// for a ring without keys.
-[[nodiscard]] Expected<LoadedKeys> load_keys(const std::filesystem::path& file);
+[[nodiscard]] Expected<LoadedKeys> load_keys(const std::optional<std::filesystem::path>& file);
 
-/// Those of `ring` that have not expired.
+/// The keys of `ring` that are valid on `day`.
 [[nodiscard]] std::vector<SharedKey> valid_on(std::chrono::sys_days day, std::vector<SharedKey> ring);
 
 /// The day by UTC.
@@ -36,20 +37,20 @@ struct LoadedKeys {
 /// Keys that have expired stay in the ring and are not accepted.
 class KeysInUse {
  public:
-  /// Tells both whom to accept, from the beginning. Keeps references to `core` and `sender`, which may be
-  /// null.
+  /// Passes the keys to `core` and `sender` at once. Keeps references to both; `sender` may be null.
   KeysInUse(LoadedKeys loaded, ServerCore& core, SceneSender* sender,
             std::function<std::chrono::sys_days()> today = today_by_utc);
 
-  /// Reads the key ring again. While it cannot be read, nobody new is admitted, because the key of whoever
-  /// comes may have been taken out of it.
+  /// Reads the key ring again. While it cannot be read, nobody new is admitted, because a newcomer's
+  /// key may have been removed.
   void reload();
 
-  /// Call it again and again. Keys expire at the end of a day. A ring that has changed is read again, and one
-  /// that could not be read, or has no key, is tried again.
+  /// Call it about once a second: a change counts after two equal looks. Keys expire at the end of a day. A
+  /// ring that has changed is read again, and one that could not be read, or has no key, is tried again.
   void look_again();
 
  private:
+  void read_again();
   void use();
   void complain(const std::string& what);
 

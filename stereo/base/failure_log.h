@@ -1,5 +1,5 @@
 /// FailureLog: limits the log of failures that may repeat with every frame or datagram: at most one line per
-/// interval. FailureLogs: one for each source of failures.
+/// interval. FailureLogs: a FailureLog for each source.
 #pragma once
 
 #include <cstddef>

@@ -17,7 +17,7 @@ namespace {
 constexpr int kLanes = 4;
 constexpr int kMostBacks = 16;
 /// A ray starts anew behind a back at this multiple of the back's distance: more than the rounding of a
-/// distance. Between 1e-6 and 1e-4 nothing else lies in between.
+/// distance. Any share from 1e-6 to 1e-4 would do.
 constexpr float kBehind = 1 + 1e-5f;
 
 /// The scene at time 0 without its sky: an instance with a singular transform does not exist.

@@ -261,8 +261,8 @@ SceneState state_at(const Scene& scene, Time scene_time, const LightChanges& cha
 }
 
 bool is_singular(const glm::dmat3& linear) {
-  // A flattened node keeps the share kLeastScale of its volume, and a line the square of that. Any share
-  // between them would do.
+  // A flattened node keeps the share kLeastScale of its volume, and a node flattened to a line kLeastScale^2.
+  // Any threshold between the two would do.
   const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
   return !(std::abs(glm::determinant(linear)) > 1e-12 * longest * longest * longest);
 }

@@ -107,7 +107,7 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
   double least_w = kInfinity, top = kInfinity, bottom = -kInfinity;
   for (std::size_t i = 0; i < polygon.count; ++i) least_w = std::min(least_w, polygon.corner[i].w);
   const auto side = static_cast<std::uint32_t>(frame.side);
-  // It touches the light: it may block any direction. A larger factor is as certain and proves less.
+  // It touches the light: it may block any direction. A larger factor is safe, but proves less.
   if (frame.cube && least_w <= 4 * frame.rounding) {
     for (std::uint32_t i = 0; i < side * side; ++i) touched.push_back({first_cell + i, 0.0f});
     return;

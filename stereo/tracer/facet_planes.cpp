@@ -18,8 +18,8 @@ using Corners = std::array<glm::dvec3, 3>;
 /// in the intersection with a plane, for triangles less than kShape times as long as high. Each further
 /// multiple adds 2 u M in the products of the traversal's normal. So kDoubt = 32 leaves 8 u M for the plane's
 /// own arithmetic (light_proof.h) and 22 u M for the thickness of the slab. Triangles thinner than 1 /
-/// kThinnest get no plane. This only saves planes, which would prove hardly anything with such a doubt: 1e2
-/// to 1e6 are as right.
+/// kThinnest get no plane. This only saves planes, which would prove hardly anything with such a doubt: any
+/// value from 1e2 to 1e6 would do.
 constexpr double kDoubt = 32, kShape = 8, kDoubtPerShape = 2, kThinnest = 1e4;
 /// Largest thickness of a slab of several triangles, in u M. The slab of a single triangle is at most 4 u M
 /// thick. A lower limit joins fewer triangles. Up to 22 u M, rays from the slab's lower side still start

@@ -165,7 +165,7 @@ Expected<SecretText> read_text(const fs::path& path) {
 /// `ring` with a further line.
 SecretText with_line(const SecretText& ring, const SharedKey& key) {
   const SecretText line(key_line(key));
-  std::string grown;  // never moves, as in key_line
+  std::string grown;  // never reallocates, as in key_line
   grown.reserve(ring.text.size() + 1 + line.text.size());
   grown += ring.text;
   if (!ring.text.empty() && ring.text.back() != '\n') grown += '\n';
@@ -265,7 +265,7 @@ std::string key_line(const SharedKey& key) {
   std::array<char, 2 * sizeof key.secret + 1> digits{};
   sodium_bin2hex(digits.data(), digits.size(), key.secret.data(), key.secret.size());
   const std::string limits = text_of(key.limits);
-  std::string line;  // never moves, and so leaves no copy of the digits behind
+  std::string line;  // never reallocates, so no copy of the digits stays behind
   line.reserve(kFormat.size() + key.name.size() + digits.size() + limits.size() + 2);
   line.append(kFormat).append(" ").append(key.name).append(" ").append(digits.data());
   sodium_memzero(digits.data(), digits.size());

@@ -1,11 +1,15 @@
 // What an answer takes, by kind: its time, the longest stage in it that nothing interrupts, and the memory of
-// the renderer or the encoder that is kept for it beyond its pixels. docs/link.md, answer_renderer.h and
+// the renderer that is kept for it beyond its pixels, and of the encoder. docs/link.md, answer_renderer.h and
 // video.h state these figures.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
@@ -28,7 +32,7 @@ struct Options {
   std::uint32_t frames = 15;
 };
 
-/// The time between two questions whether to go on, at most. Any thread of an answer asks.
+/// The longest time between two calls of is_given_up. Any thread of an answer calls it.
 class LongestStage {
  public:
   void begin() { last_ = clock_.now(), longest_ = {}; }

@@ -1,4 +1,4 @@
-/// What the code under test brings to the disk. The test program defines fsync itself.
+/// WatchedFsync: records the calls of fsync. The test program defines fsync itself.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-/// What the code under test wipes and compares with libsodium. The test program defines sodium_memzero and
-/// sodium_memcmp itself, and they come before those of a shared libsodium.
+/// WatchedSodium: records the calls of sodium_memzero and sodium_memcmp. The test program defines both
+/// itself, and they come before those of a shared libsodium.
 #pragma once
 
 #include <cstddef>

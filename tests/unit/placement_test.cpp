@@ -152,7 +152,7 @@ TEST(HeadTest, ASmallThingIsSeenWhereItsPictureIsLargerThanHalfADegree) {
   EXPECT_EQ(verdict(scene, {0, 0, 0.3}), PoseVerdict::SeesNothing) << "without the box, rays miss it";
 }
 
-/// The 144 rays of an eye have distances of 0.34 m at 2 m.
+/// Neighbouring rays of an eye, of 144, are 0.34 m apart at 2 m.
 TEST(HeadTest, APictureShowsSomethingFromOnePercentOfItsRaysOn) {
   for (const auto& [left, seen] : {std::pair(-0.34f, PoseVerdict::Sees), {0.0f, PoseVerdict::SeesNothing}}) {
     Scene scene = empty_scene(Walls::Single);

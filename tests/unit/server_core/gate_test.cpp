@@ -137,7 +137,7 @@ TEST_F(GateTest, EveryFlippedBitOfACookieGetsARetry) {
   }
 }
 
-/// A client without a cookie is compared with the cookies of this period and of the last one.
+/// A hello without a cookie is compared with the cookies of this period and the last one.
 TEST_F(GateTest, ComparesACookieInATimeThatDoesNotTellWhereItDiffers) {
   if (!WatchedSodium::is_possible()) GTEST_SKIP() << "libsodium is a static library";
   const Client known = with_cookie(kStart), stranger;
