@@ -41,9 +41,9 @@ class AnswerRenderer {
   std::optional<gpu::Device> device_;
   using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
   static constexpr std::size_t kRenderers = 64;  ///< beside the limit of their memory
-  [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 8 * 3}; }
+  [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 4}; }
   Renderers renderers_ = no_renderers();
-  /// Of a renderer, whatever its size: its pipelines (10.4 MiB more resident for each, room, lavapipe), and
+  /// Of a renderer, whatever its size: its pipelines (answers_bench: 8.6 MiB, room, lavapipe), and
   /// the scene on the device, measured when one is built.
   static constexpr std::size_t kPipelines_bytes = std::size_t{10} << 20;
   std::size_t scene_bytes_ = 0;
