@@ -18,7 +18,7 @@ struct AnswerContext {
   Tracer& tracer;
   Exposure exposure{};          ///< of pictures
   gpu::DeviceOptions device{};  ///< for pictures
-  MemoryShare memory{};         ///< of in_work(), kept renderers and encoders take 1/4 each, the answer the rest
+  MemoryShare memory{};         ///< of in_work(): kept renderers 1/4, encoders 1/4, the answer the rest
 };
 
 /// A maker for each kind that can be made: pictures need a Vulkan device, video also a codec. Logs what is
