@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "rt_server/commands/commands.h"
+#include "stereo/base/printable.h"
 #include "stereo/exposure/chosen_exposure.h"
 #include "stereo/net/explain.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/scene/gltf_document.h"
 #include "stereo/scene/lighting_options.h"
 #include "stereo/scene/viewpoint.h"
 #include "stereo/tracer/tracer_memory.h"

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_precision.hpp>
 
 #include "stereo/draw/mesh_streams.h"
+#include "stereo/draw/shading_layout.h"
 
 namespace farshade {
 namespace {

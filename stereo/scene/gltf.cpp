@@ -8,7 +8,7 @@
 #include "stereo/scene/gltf_convert.h"
 #include "stereo/scene/gltf_files.h"
 #include "stereo/scene/gltf_instances.h"
-#include "stereo/scene/gltf_parse.h"
+#include "stereo/scene/gltf_read.h"
 #include "stereo/scene/gltf_validate.h"
 #include "stereo/scene/scene_hash.h"
 
@@ -33,7 +33,7 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
   gltf::SceneFolder files(folder, limits.external_bytes, list);
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
-        .and_then([&] { return gltf::parse_document(container.json, container.bin, files); })
+        .and_then([&] { return gltf::read_document(container.json, container.bin, files); })
         .and_then([&](gltf::Document&& document) -> Expected<Scene> {
           if (auto ready = prepare(document, limits, choice); !ready) return tl::unexpected(ready.error());
           return gltf::convert(document, limits);

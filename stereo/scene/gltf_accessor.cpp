@@ -8,9 +8,9 @@
 namespace farshade::gltf {
 namespace {
 
-const std::uint8_t* bytes_at(const Document& document, std::uint32_t view, std::uint64_t offset) {
-  const BufferView& v = document.views[view];
-  return document.buffers[v.buffer].data() + v.offset + offset;
+const std::uint8_t* bytes_at(const Document& document, int view, std::size_t offset) {
+  const BufferView& v = at(document.bufferViews, view);
+  return at(document.buffers, v.buffer).data.data() + v.byteOffset + offset;
 }
 
 template <class T>
@@ -54,30 +54,31 @@ void with_type(Component component, Read read) {
 template <class Store>
 void for_each_element(const Document& document, const Accessor& accessor, Store store) {
   const ElementRun run = elements_of(document, accessor);
-  const auto numbers =
-      accessor.sparse ? sparse_indices(document, *accessor.sparse) : std::vector<std::uint32_t>{};
-  with_type(accessor.component, [&](auto zero) {
+  const std::vector<std::uint32_t> numbers = sparse_indices(document, accessor);
+  with_type(component_of(accessor), [&](auto zero) {
     if (run.first)
       for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, run.first + i * run.stride, zero);
-    if (!accessor.sparse) return;
-    const auto* values = bytes_at(document, accessor.sparse->value_view, accessor.sparse->value_offset);
+    if (!accessor.sparse.isSparse) return;
+    const auto& sparse = accessor.sparse.values;
+    const auto* values = bytes_at(document, sparse.bufferView, static_cast<std::size_t>(sparse.byteOffset));
     for (std::size_t i = 0; i < numbers.size(); ++i)
-      store(numbers[i], values + i * accessor.element_bytes(), zero);
+      store(numbers[i], values + i * element_bytes(accessor), zero);
   });
 }
 
 }  // namespace
 
 ElementRun elements_of(const Document& document, const Accessor& accessor) {
-  if (!accessor.view) return {};
-  const std::uint64_t stride = document.views[*accessor.view].stride;
-  return {bytes_at(document, *accessor.view, accessor.offset), stride ? stride : accessor.element_bytes()};
+  if (accessor.bufferView < 0) return {};
+  const std::uint64_t stride = at(document.bufferViews, accessor.bufferView).byteStride;
+  return {bytes_at(document, accessor.bufferView, accessor.byteOffset),
+          stride ? stride : element_bytes(accessor)};
 }
 
 template <int N>
 std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t index) {
   const Accessor& accessor = document.accessors[index];
-  const std::size_t width = std::min<std::size_t>(accessor.rows, N);
+  const std::size_t width = std::min<std::size_t>(shape_of(accessor).rows, N);
   glm::vec<N, float> rest(0.0f);
   for (std::size_t i = width; i < N; ++i) rest[static_cast<int>(i)] = 1.0f;
   std::vector<glm::vec<N, float>> result(accessor.count, rest);
@@ -122,10 +123,12 @@ std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t 
   return result;
 }
 
-std::vector<std::uint32_t> sparse_indices(const Document& document, const Sparse& sparse) {
-  std::vector<std::uint32_t> result(sparse.count);
-  const auto* bytes = bytes_at(document, sparse.index_view, sparse.index_offset);
-  with_type(sparse.index_component, [&](auto type) {
+std::vector<std::uint32_t> sparse_indices(const Document& document, const Accessor& accessor) {
+  if (!accessor.sparse.isSparse) return {};
+  const auto& from = accessor.sparse.indices;
+  std::vector<std::uint32_t> result(static_cast<std::size_t>(accessor.sparse.count));
+  const auto* bytes = bytes_at(document, from.bufferView, static_cast<std::size_t>(from.byteOffset));
+  with_type(static_cast<Component>(from.componentType), [&](auto type) {
     using T = decltype(type);
     for (std::size_t i = 0; i < result.size(); ++i)
       // NOLINTNEXTLINE(bugprone-signed-char-misuse)

@@ -8,7 +8,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 
@@ -33,7 +33,7 @@ template <int N>
 /// Unsigned scalars (vertex indices).
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t accessor);
 
-/// The indices of the elements that a sparse accessor replaces.
-[[nodiscard]] std::vector<std::uint32_t> sparse_indices(const Document& document, const Sparse& sparse);
+/// The indices of the elements that a sparse accessor replaces. Empty for any other.
+[[nodiscard]] std::vector<std::uint32_t> sparse_indices(const Document& document, const Accessor& accessor);
 
 }  // namespace farshade::gltf

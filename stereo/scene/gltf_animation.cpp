@@ -16,17 +16,21 @@ Path path_from(const std::string& path) {
 
 Channel channel_from(const Document& document, const AnimationSampler& sampler, std::uint32_t node,
                      Path path) {
-  Channel channel{
-      node, path, interpolation_from(sampler.interpolation), read_scalars(document, sampler.input), {}};
-  channel.values = read_vectors<4>(document, sampler.output);
+  Channel channel{node,
+                  path,
+                  interpolation_from(sampler.interpolation),
+                  read_scalars(document, static_cast<std::uint32_t>(sampler.input)),
+                  {}};
+  channel.values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));
   if (path != Path::Rotation)
     for (glm::vec4& value : channel.values) value.w = 0.0f;
   return channel;
 }
 
 WeightTrack weight_track_from(const Document& document, const AnimationSampler& sampler) {
-  WeightTrack track{interpolation_from(sampler.interpolation), read_scalars(document, sampler.input),
-                    read_scalars(document, sampler.output)};
+  WeightTrack track{interpolation_from(sampler.interpolation),
+                    read_scalars(document, static_cast<std::uint32_t>(sampler.input)),
+                    read_scalars(document, static_cast<std::uint32_t>(sampler.output))};
   for (float& weight : track.values)
     weight = glm::clamp(weight, static_cast<float>(-kMostWeight), static_cast<float>(kMostWeight));
   return track;
@@ -61,17 +65,18 @@ WeightTracks add_animations(const Document& document, const std::vector<Index>& 
   double length_s = 0;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& from : animation.channels) {
-      const Index node = scene_node[from.node];
+      const Index node = at(scene_node, from.target_node);
       if (!node) continue;
-      const AnimationSampler& sampler = animation.samplers[from.sampler];
-      if (from.path == "weights") {
-        const Index mesh = document.nodes[from.node].mesh;
-        if (!mesh || document.meshes[*mesh].targets() == 0) continue;
-        const auto [track, is_new] = tracks.try_emplace(from.node, weight_track_from(document, sampler));
+      const AnimationSampler& sampler = at(animation.samplers, from.sampler);
+      if (from.target_path == "weights") {
+        const int mesh = at(document.nodes, from.target_node).mesh;
+        if (mesh < 0 || targets_of(at(document.meshes, mesh)) == 0) continue;
+        const auto [track, is_new] = tracks.try_emplace(static_cast<std::uint32_t>(from.target_node),
+                                                        weight_track_from(document, sampler));
         if (is_new) length_s = std::max(length_s, double{track->second.keys_s.back()});
         continue;
       }
-      const Path path = path_from(from.path);
+      const Path path = path_from(from.target_path);
       if (taken.emplace(*node, path).second)
         length_s = std::max(length_s, add_channel(document, sampler, *node, path, scene));
     }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "stereo/scene/gltf_deform.h"
-#include "stereo/scene/gltf_document.h"
 #include "stereo/scene/gltf_lights.h"
+#include "stereo/scene/gltf_model.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade::gltf {

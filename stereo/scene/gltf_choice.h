@@ -1,7 +1,7 @@
 /// Applies a SceneChoice to a Document. What is not in the file is refused with a list of what is.
 #pragma once
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 #include "stereo/scene/scene.h"
 #include "stereo/scene/scene_choice.h"
 

@@ -10,7 +10,27 @@ constexpr std::uint64_t kMostRatio = 64;
 /// The first byte of vertices in the format of KHR_meshopt_compression, which meshoptimizer 0.18 cannot read.
 constexpr std::uint8_t kNewerVertices = 0xa1;
 
-using Bytes = std::vector<std::uint8_t>;
+/// EXT_meshopt_compression of a view, or its newer name. Mode and filter are as the extension spells them.
+struct MeshoptView {
+  int buffer = 0;
+  std::size_t offset = 0, bytes = 0;  ///< of the compressed bytes
+  std::size_t stride = 0, count = 0;
+  std::string mode, filter;
+};
+
+std::optional<MeshoptView> meshopt_of(const BufferView& view) {
+  const auto* from = extension(view.extensions, "KHR_meshopt_compression");
+  if (!from) from = extension(view.extensions, "EXT_meshopt_compression");
+  if (!from) return std::nullopt;
+  const auto size = [&](const char* name) -> std::size_t { return index_member(*from, name).value_or(0); };
+  return MeshoptView{.buffer = from->Get("buffer").GetNumberAsInt(),
+                     .offset = size("byteOffset"),
+                     .bytes = size("byteLength"),
+                     .stride = size("byteStride"),
+                     .count = size("count"),
+                     .mode = text_member(*from, "mode"),
+                     .filter = text_member(*from, "filter", "NONE")};
+}
 
 bool filter_fits(const MeshoptView& from) {
   if (from.filter == "NONE") return true;
@@ -31,12 +51,12 @@ Checked check_meshopt(const std::string& name, const MeshoptView& from, std::uin
     return malformed(name + ": mode '" + printable(from.mode) + "', filter '" + printable(from.filter) +
                      "', stride " + std::to_string(from.stride) + " and count " + std::to_string(from.count) +
                      " do not fit each other");
-  // Both numbers are below 2^53 and the stride is at most 256, so the product does not overflow.
+  // The count is below 2^31 and the stride is at most 256, so the product does not overflow.
   if (from.count > view_bytes || from.count * from.stride != view_bytes)
     return malformed(name + " decodes to " + std::to_string(from.count) + " elements of " +
                      std::to_string(from.stride) + " bytes, but its length is " + std::to_string(view_bytes));
-  if (view_bytes > kMostRatio * from.source.bytes)
-    return malformed(name + ": " + std::to_string(from.source.bytes) + " bytes are too few for " +
+  if (view_bytes > kMostRatio * from.bytes)
+    return malformed(name + ": " + std::to_string(from.bytes) + " bytes are too few for " +
                      std::to_string(view_bytes));
   return {};
 }
@@ -55,16 +75,16 @@ void apply_filter(const MeshoptView& from, Bytes& bytes) {
   if (from.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), from.count, from.stride);
 }
 
-Checked decompress_view(Document& document, std::size_t index, DecodedBudget& budget) {
-  const MeshoptView from = *document.views[index].meshopt;
+Checked decompress_view(Document& document, std::size_t index, const MeshoptView& from,
+                        DecodedBudget& budget) {
+  BufferView& view = document.bufferViews[index];
   const std::string name = label("compressed buffer view", index);
-  const auto source = bytes_of_view(document, name, from.source);
+  const auto source = bytes_in_buffer(document, name, from.buffer, from.offset, from.bytes);
   if (!source) return tl::unexpected(source.error());
-  auto checked = check_meshopt(name, from, document.views[index].bytes).and_then([&] {
-    return budget.take(name, document.views[index].bytes);
-  });
+  auto checked =
+      check_meshopt(name, from, view.byteLength).and_then([&] { return budget.take(name, view.byteLength); });
   if (!checked) return checked;
-  Bytes bytes(document.views[index].bytes);
+  Bytes bytes(view.byteLength);
   if (decode(from, *source, bytes) != 0) {
     if (from.mode == "ATTRIBUTES" && source->front() == kNewerVertices)
       return fail(Fault::Unsupported, name +
@@ -73,16 +93,16 @@ Checked decompress_view(Document& document, std::size_t index, DecodedBudget& bu
     return malformed(name + ": its compressed bytes are damaged");
   }
   apply_filter(from, bytes);
-  document.views[index].buffer = static_cast<std::uint32_t>(document.buffers.size());
-  document.views[index].offset = 0;
-  document.buffers.push_back(std::move(bytes));
+  view.buffer = static_cast<int>(document.buffers.size());
+  view.byteOffset = 0;
+  document.buffers.emplace_back().data = std::move(bytes);
   return {};
 }
 
 }  // namespace
 
 DecodedBudget::DecodedBudget(const Document& document) : left_(std::uint64_t{1} << 26) {
-  for (const auto& buffer : document.buffers) left_ += 256 * buffer.size();
+  for (const auto& buffer : document.buffers) left_ += 256 * buffer.data.size();
 }
 
 Checked DecodedBudget::take(const std::string& name, std::uint64_t bytes) {
@@ -92,21 +112,21 @@ Checked DecodedBudget::take(const std::string& name, std::uint64_t bytes) {
   return {};
 }
 
-Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document, const std::string& name,
-                                                      const BufferView& view) {
-  if (view.buffer >= document.buffers.size())
-    return malformed(name + ": there is no " + label("buffer", view.buffer));
-  const std::span<const std::uint8_t> buffer = document.buffers[view.buffer];
-  if (view.offset > buffer.size() || view.bytes > buffer.size() - view.offset)
-    return malformed(name + " reads beyond its buffer (" + std::to_string(buffer.size()) + " bytes)");
-  return buffer.subspan(view.offset, view.bytes);
+Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document, const std::string& name,
+                                                        int buffer, std::size_t offset, std::size_t bytes) {
+  if (!points_into(document.buffers, buffer))
+    return malformed(name + ": there is no " + label("buffer", buffer));
+  const std::span<const std::uint8_t> all = at(document.buffers, buffer).data;
+  if (offset > all.size() || bytes > all.size() - offset)
+    return malformed(name + " reads beyond its buffer (" + std::to_string(all.size()) + " bytes)");
+  return all.subspan(offset, bytes);
 }
 
 Checked decompress(Document& document) {
   DecodedBudget budget(document);
-  for (std::size_t i = 0; i < document.views.size(); ++i)
-    if (document.views[i].meshopt)
-      if (auto checked = decompress_view(document, i, budget); !checked) return checked;
+  for (std::size_t i = 0; i < document.bufferViews.size(); ++i)
+    if (const auto from = meshopt_of(document.bufferViews[i]))
+      if (auto checked = decompress_view(document, i, *from, budget); !checked) return checked;
   return decompress_draco(document, budget);
 }
 

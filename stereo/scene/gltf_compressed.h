@@ -6,7 +6,7 @@
 /// anything is allocated.
 #pragma once
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 
@@ -30,9 +30,9 @@ class DecodedBudget {
 /// Decodes the primitives with Draco meshes: their attributes and indices become accessors of their own.
 [[nodiscard]] Checked decompress_draco(Document& document, DecodedBudget& budget);
 
-/// Where a view lies in its buffer; Malformed if it does not.
-[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document,
-                                                                    const std::string& name,
-                                                                    const BufferView& view);
+/// `bytes` bytes of a buffer from `offset` on; Malformed if the buffer does not have them.
+[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document,
+                                                                      const std::string& name, int buffer,
+                                                                      std::size_t offset, std::size_t bytes);
 
 }  // namespace farshade::gltf

@@ -27,7 +27,7 @@ struct NodeOrder {
 };
 
 NodeOrder order_nodes(const Document& document) {
-  NodeOrder order{parents_first(document, document.scenes[document.default_scene.value_or(0)]), {}};
+  NodeOrder order{parents_first(document, roots_of(document)), {}};
   order.to_scene.resize(document.nodes.size());
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i) order.to_scene[order.from_document[i]] = i;
   return order;
@@ -36,10 +36,10 @@ NodeOrder order_nodes(const Document& document) {
 farshade::Node node_from(const Node& from) {
   farshade::Node to;
   to.name = from.name;
-  to.rest.matrix = from.matrix;
-  to.rest.translation = from.translation.value_or(glm::dvec3(0.0));
-  to.rest.scale = from.scale.value_or(glm::dvec3(1.0));
-  if (from.rotation) to.rest.rotation = glm::normalize(*from.rotation);
+  to.rest.matrix = matrix_of(from);
+  to.rest.translation = translation_of(from);
+  to.rest.scale = scale_of(from);
+  to.rest.rotation = glm::normalize(rotation_of(from));
   return to;
 }
 
@@ -47,8 +47,8 @@ void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
   for (const std::uint32_t index : order.from_document)
     scene.nodes.push_back(node_from(document.nodes[index]));
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
-    for (const std::uint32_t child : document.nodes[order.from_document[i]].children)
-      scene.nodes[*order.to_scene[child]].parent = i;
+    for (const int child : document.nodes[order.from_document[i]].children)
+      scene.nodes[*at(order.to_scene, child)].parent = i;
 }
 
 /// False for NaN.
@@ -62,10 +62,10 @@ Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& 
                                               MaterialConverter& materials, Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
-    if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
+    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
     farshade::Mesh mesh = mesh_from(document, primitive);
     if (mesh.triangles.empty()) continue;
-    const auto material = materials.material(primitive.material);
+    const auto material = materials.material(index_of(primitive.material));
     if (!material) return tl::unexpected(material.error());
     mesh.name = from.name;
     mesh.material = *material;
@@ -88,7 +88,7 @@ Expected<farshade::Mesh> deformed_mesh(const Document& document, const Primitive
                                        const RigPose& pose, const std::string& name,
                                        MaterialConverter& materials) {
   farshade::Mesh mesh = deformable_mesh_from(document, primitive, !pose.object_from_bind.empty());
-  const auto material = materials.material(primitive.material);
+  const auto material = materials.material(index_of(primitive.material));
   if (!material) return tl::unexpected(material.error());
   mesh.name = name;
   mesh.material = *material;
@@ -125,10 +125,10 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
                      Scene& scene) {
   const RigPose pose = pose_of(scene, rig, poses, Time{});
   const RigPlace place = add_rig(rig, node, poses, scene);
-  const Mesh& mesh = document.meshes[*from.mesh];
+  const Mesh& mesh = at(document.meshes, from.mesh);
   for (const Primitive& primitive : mesh.primitives) {
-    if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
-    if (primitive.attribute("JOINTS_1"))
+    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
+    if (attribute(primitive, "JOINTS_1"))
       scene.warnings.push_back("mesh '" + printable(mesh.name) +
                                "': vertices follow their first four joints only");
     auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
@@ -156,15 +156,15 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
     const std::uint32_t number = order.from_document[node];
     const Node& from = document.nodes[number];
-    if (!from.mesh) continue;
+    if (from.mesh < 0) continue;
     if (deforms(document, from, number, tracks)) {
       const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
       if (auto added = add_deformed(document, from, node, rig, poses, materials, scene); !added) return added;
       continue;
     }
-    auto& shared = converted[*from.mesh];
+    auto& shared = at(converted, from.mesh);
     if (!shared) {
-      auto numbers = add_mesh(document.meshes[*from.mesh], document, materials, scene);
+      auto numbers = add_mesh(at(document.meshes, from.mesh), document, materials, scene);
       if (!numbers) return tl::unexpected(numbers.error());
       shared = std::move(*numbers);
     }
@@ -182,7 +182,7 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
                    const AnimatedLights& animated, Scene& scene) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
   for (const std::uint32_t node : order.from_document)
-    if (const Index light = document.nodes[node].light) uses.emplace_back(*light, node);
+    if (const Index light = light_of(document.nodes[node])) uses.emplace_back(*light, node);
   if (uses.size() > limits.lights)
     return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
                                        std::to_string(limits.lights) + " can be told apart");
@@ -190,7 +190,8 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
   for (const auto& [light, node] : uses) {
     const auto found = animated.find(light);
     const bool changes = found != animated.end();
-    scene.lights.push_back(light_from(changes ? found->second.rest : document.lights[light],
+    const Light& from = document.lights[light];
+    scene.lights.push_back(light_from(from, changes ? found->second.rest : values_of(from),
                                       changes ? found->second.tracks : std::vector<LightTrack>{},
                                       *order.to_scene[node]));
   }
@@ -214,7 +215,7 @@ Index camera_node(const Document& document, const NodeOrder& order) {
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
     const Node& node = document.nodes[order.from_document[i]];
     if (node.name.rfind("camera:", 0) == 0) return i;
-    if (!found && node.camera) found = i;
+    if (!found && node.camera >= 0) found = i;
   }
   return found;
 }

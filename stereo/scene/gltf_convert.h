@@ -3,7 +3,7 @@
 #pragma once
 
 #include "stereo/scene/gltf.h"
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 

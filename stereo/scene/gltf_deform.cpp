@@ -10,9 +10,9 @@ namespace {
 
 /// The weights of the node, else of its mesh; as many as there are targets.
 std::vector<float> weights_of(const Document& document, const Node& node) {
-  const Mesh& mesh = document.meshes[*node.mesh];
+  const Mesh& mesh = at(document.meshes, node.mesh);
   const std::vector<double>& given = node.weights.empty() ? mesh.weights : node.weights;
-  std::vector<float> weights(mesh.targets(), 0.0f);
+  std::vector<float> weights(targets_of(mesh), 0.0f);
   for (std::size_t i = 0; i < std::min(weights.size(), given.size()); ++i)
     weights[i] = static_cast<float>(glm::clamp(given[i], -kMostWeight, kMostWeight));
   return weights;
@@ -21,10 +21,11 @@ std::vector<float> weights_of(const Document& document, const Node& node) {
 std::vector<Joint> joints_of(const Document& document, const Skin& skin, const std::vector<Index>& scene_node,
                              std::uint32_t still) {
   std::vector<glm::mat4> inverse_bind(skin.joints.size(), glm::mat4(1.0f));
-  if (skin.inverse_bind) inverse_bind = read_matrices(document, *skin.inverse_bind);
+  if (const Index accessor = index_of(skin.inverseBindMatrices))
+    inverse_bind = read_matrices(document, *accessor);
   std::vector<Joint> joints;
   for (std::size_t i = 0; i < skin.joints.size(); ++i) {
-    const Index node = scene_node[skin.joints[i]];
+    const Index node = at(scene_node, skin.joints[i]);
     joints.push_back(node ? Joint{*node, glm::dmat4(inverse_bind[i])} : Joint{still});
   }
   return joints;
@@ -32,7 +33,7 @@ std::vector<Joint> joints_of(const Document& document, const Skin& skin, const s
 
 /// Weights are divided by their sum, in which negative ones do not count.
 std::vector<Deformable::Influence> influences_of(const Document& document, const Primitive& primitive) {
-  const Index joints_at = primitive.attribute("JOINTS_0"), weights_at = primitive.attribute("WEIGHTS_0");
+  const Index joints_at = attribute(primitive, "JOINTS_0"), weights_at = attribute(primitive, "WEIGHTS_0");
   if (!joints_at || !weights_at) return {};
   const std::vector<glm::vec4> joints = read_vectors<4>(document, *joints_at),
                                weights = read_vectors<4>(document, *weights_at);
@@ -62,7 +63,7 @@ std::vector<glm::vec3> differences(const Document& document, Index accessor) {
 }  // namespace
 
 bool deforms(const Document& document, const Node& node, std::uint32_t number, const WeightTracks& tracks) {
-  if (node.skin) return true;
+  if (node.skin >= 0) return true;
   const std::vector<float> weights = weights_of(document, node);
   const bool is_deformed = std::ranges::any_of(weights, [](float weight) { return weight != 0; });
   return is_deformed || (tracks.contains(number) && !weights.empty());
@@ -72,7 +73,7 @@ Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Ind
            std::uint32_t still, const WeightTracks& tracks) {
   const Node& node = document.nodes[number];
   Rig rig{.joints = {}, .weights = weights_of(document, node)};
-  if (node.skin) rig.joints = joints_of(document, document.skins[*node.skin], scene_node, still);
+  if (node.skin >= 0) rig.joints = joints_of(document, at(document.skins, node.skin), scene_node, still);
   const auto found = tracks.find(number);
   if (found == tracks.end() || rig.weights.empty()) return rig;
   const WeightTrack& track = found->second;
@@ -86,10 +87,12 @@ Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Ind
 }
 
 Deformable deformable_of(const Document& document, const Primitive& primitive, bool skinned) {
-  Deformable result{.positions = read_vectors<3>(document, *primitive.attribute("POSITION"))};
-  if (const Index normal = primitive.attribute("NORMAL")) result.normals = read_vectors<3>(document, *normal);
-  for (const MorphTarget& target : primitive.targets)
-    result.targets.push_back({differences(document, target.position), differences(document, target.normal)});
+  Deformable result{.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"))};
+  if (const Index normal = attribute(primitive, "NORMAL"))
+    result.normals = read_vectors<3>(document, *normal);
+  for (const auto& target : primitive.targets)
+    result.targets.push_back({differences(document, attribute(target, "POSITION")),
+                              differences(document, attribute(target, "NORMAL"))});
   if (skinned) result.influences = influences_of(document, primitive);
   return result;
 }

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade::gltf {

@@ -13,8 +13,6 @@
 namespace farshade::gltf {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
 /// Bytes that Draco 1.5 allocates for a triangle: its corner table, and one more table for each group of
 /// attributes that has seams.
 constexpr std::uint64_t kTriangleBytes = 96, kSeamBytes = 48;
@@ -113,14 +111,16 @@ Expected<std::unique_ptr<draco::Mesh>> decode_mesh(std::span<const std::uint8_t>
 }
 
 /// Appends an accessor like number `like` over `bytes`, which lie without gaps. Returns its number.
-std::uint32_t add_accessor(Document& document, std::uint32_t like, Bytes bytes) {
+int add_accessor(Document& document, std::uint32_t like, Bytes bytes) {
   Accessor accessor = document.accessors[like];
-  accessor.view = static_cast<std::uint32_t>(document.views.size());
-  accessor.offset = 0;
-  document.views.push_back({static_cast<std::uint32_t>(document.buffers.size()), 0, bytes.size()});
-  document.buffers.push_back(std::move(bytes));
-  document.accessors.push_back(accessor);
-  return static_cast<std::uint32_t>(document.accessors.size() - 1);
+  accessor.bufferView = static_cast<int>(document.bufferViews.size());
+  accessor.byteOffset = 0;
+  BufferView& view = document.bufferViews.emplace_back();
+  view.buffer = static_cast<int>(document.buffers.size());
+  view.byteLength = bytes.size();
+  document.buffers.emplace_back().data = std::move(bytes);
+  document.accessors.push_back(std::move(accessor));
+  return static_cast<int>(document.accessors.size() - 1);
 }
 
 /// The values of all points. False if one does not fit in a T.
@@ -140,19 +140,20 @@ bool convert_values(const draco::PointAttribute& from, std::uint32_t points, std
 
 bool convert_values(const draco::PointAttribute& from, std::uint32_t points, const Accessor& accessor,
                     Bytes& to) {
-  switch (accessor.component) {
+  const std::uint32_t rows = shape_of(accessor).rows;
+  switch (component_of(accessor)) {
     case Component::Int8:
-      return convert_values<std::int8_t>(from, points, accessor.rows, to);
+      return convert_values<std::int8_t>(from, points, rows, to);
     case Component::UInt8:
-      return convert_values<std::uint8_t>(from, points, accessor.rows, to);
+      return convert_values<std::uint8_t>(from, points, rows, to);
     case Component::Int16:
-      return convert_values<std::int16_t>(from, points, accessor.rows, to);
+      return convert_values<std::int16_t>(from, points, rows, to);
     case Component::UInt16:
-      return convert_values<std::uint16_t>(from, points, accessor.rows, to);
+      return convert_values<std::uint16_t>(from, points, rows, to);
     case Component::UInt32:
-      return convert_values<std::uint32_t>(from, points, accessor.rows, to);
+      return convert_values<std::uint32_t>(from, points, rows, to);
     case Component::Float:
-      return convert_values<float>(from, points, accessor.rows, to);
+      return convert_values<float>(from, points, rows, to);
   }
   return false;
 }
@@ -160,7 +161,7 @@ bool convert_values(const draco::PointAttribute& from, std::uint32_t points, con
 /// Points the primitive's attribute `semantic` at the decoded values.
 Checked take_attribute(Document& document, const std::string& name, Primitive& primitive,
                        const std::string& semantic, std::uint32_t id, const draco::Mesh& mesh) {
-  const Index number = primitive.attribute(semantic);
+  const Index number = attribute(primitive, semantic);
   if (!number) return {};  // the primitive does not ask for it
   const std::string subject = name + ": " + printable(semantic);
   const draco::PointAttribute* from = mesh.GetAttributeByUniqueId(id);
@@ -168,8 +169,9 @@ Checked take_attribute(Document& document, const std::string& name, Primitive& p
   if (*number >= document.accessors.size())
     return malformed(subject + ": there is no " + label("accessor", *number));
   const Accessor& accessor = document.accessors[*number];
-  if (accessor.count != mesh.num_points() || accessor.columns != 1 ||
-      accessor.rows != from->num_components() || accessor.sparse)
+  const Shape shape = shape_of(accessor);
+  if (accessor.count != mesh.num_points() || shape.columns != 1 || shape.rows != from->num_components() ||
+      accessor.sparse.isSparse)
     return malformed(subject + ": " + label("accessor", *number) + " does not have the mesh's " +
                      std::to_string(mesh.num_points()) + " vertices");
   Bytes values;
@@ -179,34 +181,39 @@ Checked take_attribute(Document& document, const std::string& name, Primitive& p
   return {};
 }
 
-std::uint32_t take_indices(Document& document, std::uint32_t accessor, const draco::Mesh& mesh) {
+int take_indices(Document& document, std::uint32_t accessor, const draco::Mesh& mesh) {
   Bytes bytes(std::size_t{mesh.num_faces()} * 3 * sizeof(std::uint32_t));
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = mesh.face(draco::FaceIndex(i))[k].value();
       std::memcpy(bytes.data() + (3 * i + k) * sizeof corner, &corner, sizeof corner);
     }
-  const std::uint32_t number = add_accessor(document, accessor, std::move(bytes));
-  document.accessors[number].component = Component::UInt32;
+  const int number = add_accessor(document, accessor, std::move(bytes));
+  at(document.accessors, number).componentType = static_cast<int>(Component::UInt32);
   return number;
 }
 
-Checked decompress_primitive(Document& document, const std::string& name, Primitive& primitive,
-                             DecodedBudget& budget) {
-  const DracoMesh& draco = *primitive.draco;
-  if (draco.view >= document.views.size())
-    return malformed(name + ": there is no " + label("buffer view", draco.view));
-  if (!primitive.indices || *primitive.indices >= document.accessors.size() ||
-      primitive.mode != Mode::Triangles)
+/// `draco`: the extension of the primitive.
+Checked decompress_primitive(Document& document, const std::string& name, const tinygltf::Value& draco,
+                             Primitive& primitive, DecodedBudget& budget) {
+  const std::uint32_t number = index_member(draco, "bufferView").value_or(0);
+  if (number >= document.bufferViews.size())
+    return malformed(name + ": there is no " + label("buffer view", number));
+  const Index indices = index_of(primitive.indices);
+  if (!indices || *indices >= document.accessors.size() || primitive.mode != TINYGLTF_MODE_TRIANGLES)
     return malformed(name + " should have triangles with indices");
-  const std::uint64_t triangles = document.accessors[*primitive.indices].count / 3;
-  const auto bytes = bytes_of_view(document, name, document.views[draco.view]);
+  const std::uint64_t triangles = document.accessors[*indices].count / 3;
+  const BufferView& view = document.bufferViews[number];
+  const auto bytes = bytes_in_buffer(document, name, view.buffer, view.byteOffset, view.byteLength);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto mesh = decode_mesh(*bytes, name, triangles, budget);
   if (!mesh) return tl::unexpected(mesh.error());
-  for (const auto& [semantic, id] : draco.ids)
-    if (auto taken = take_attribute(document, name, primitive, semantic, id, **mesh); !taken) return taken;
-  primitive.indices = take_indices(document, *primitive.indices, **mesh);
+  if (const auto* attributes = member(draco, "attributes"))
+    for (const std::string& semantic : attributes->Keys()) {
+      const std::uint32_t id = index_member(*attributes, semantic).value_or(0);
+      if (auto taken = take_attribute(document, name, primitive, semantic, id, **mesh); !taken) return taken;
+    }
+  primitive.indices = take_indices(document, *indices, **mesh);
   return {};
 }
 
@@ -216,10 +223,12 @@ Checked decompress_draco(Document& document, DecodedBudget& budget) {
   for (std::size_t m = 0; m < document.meshes.size(); ++m)
     for (std::size_t p = 0; p < document.meshes[m].primitives.size(); ++p) {
       Primitive& primitive = document.meshes[m].primitives[p];
-      if (!primitive.draco || !primitive.draws_triangles()) continue;
+      const auto* draco = extension(primitive.extensions, "KHR_draco_mesh_compression");
+      if (!draco || !draws_triangles(primitive)) continue;
       const std::string name =
           "the Draco mesh of " + label("mesh", m, document.meshes[m].name) + ", " + label("primitive", p);
-      if (auto checked = decompress_primitive(document, name, primitive, budget); !checked) return checked;
+      if (auto checked = decompress_primitive(document, name, *draco, primitive, budget); !checked)
+        return checked;
     }
   return {};
 }

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "stereo/base/files.h"
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 namespace {

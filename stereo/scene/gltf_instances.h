@@ -1,7 +1,7 @@
 /// EXT_mesh_gpu_instancing: each instance becomes a node of its own.
 #pragma once
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 

@@ -22,19 +22,18 @@ LightProperty property_from(const std::string& name) {
 }
 
 LightTrack track_from(const Document& document, const AnimationSampler& sampler, LightProperty property) {
-  LightTrack track{
-      property, interpolation_from(sampler.interpolation), read_scalars(document, sampler.input), {}};
+  const auto input = static_cast<std::uint32_t>(sampler.input),
+             output = static_cast<std::uint32_t>(sampler.output);
+  LightTrack track{property, interpolation_from(sampler.interpolation), read_scalars(document, input), {}};
   if (property == LightProperty::Color) {
-    for (const glm::vec3& color : read_vectors<3>(document, sampler.output))
-      track.values.emplace_back(color, 0.0f);
+    for (const glm::vec3& color : read_vectors<3>(document, output)) track.values.emplace_back(color, 0.0f);
   } else {
-    for (const float value : read_scalars(document, sampler.output))
-      track.values.emplace_back(value, 0, 0, 0);
+    for (const float value : read_scalars(document, output)) track.values.emplace_back(value, 0, 0, 0);
   }
   return track;
 }
 
-void set_value(LightProperty property, const glm::dvec4& value, Light& light) {
+void set_value(LightProperty property, const glm::dvec4& value, LightValues& light) {
   switch (property) {
     case LightProperty::Color:
       light.color = glm::dvec3(value);
@@ -86,26 +85,37 @@ bool has_property(const Light& light, LightProperty property) {
 
 }  // namespace
 
+LightValues values_of(const Light& light) {
+  LightValues values{.color = vector_of(light.color, glm::dvec3(1.0)),
+                     .intensity = light.intensity,
+                     .inner_cone_rad = light.spot.innerConeAngle,
+                     .outer_cone_rad = light.spot.outerConeAngle,
+                     .range_m = {}};
+  if (light.range > 0) values.range_m = light.range;  // tinygltf writes 0 for a light without a range
+  return values;
+}
+
 AnimatedLights animated_lights(const Document& document, const std::vector<Index>& scene_node) {
   std::set<std::uint32_t> used;
   for (std::size_t node = 0; node < scene_node.size(); ++node)
-    if (scene_node[node] && document.nodes[node].light) used.insert(*document.nodes[node].light);
+    if (const Index light = light_of(document.nodes[node]); light && scene_node[node]) used.insert(*light);
   AnimatedLights lights;
   std::set<std::pair<std::uint32_t, LightProperty>> taken;
-  for (const Animation& animation : document.animations)
-    for (const LightChannel& from : animation.lights) {
+  for (std::size_t a = 0; a < document.animations.size(); ++a)
+    for (const LightChannel& from : document.light_channels[a]) {
       const LightProperty property = property_from(from.property);
       const Light& light = document.lights[from.light];
       if (!used.contains(from.light) || !has_property(light, property) ||
           !taken.emplace(from.light, property).second)
         continue;
-      AnimatedLight& to = lights.try_emplace(from.light, AnimatedLight{light, {}}).first->second;
-      add_track(track_from(document, animation.samplers[from.sampler], property), to);
+      AnimatedLight& to = lights.try_emplace(from.light, AnimatedLight{values_of(light), {}}).first->second;
+      add_track(track_from(document, document.animations[a].samplers[from.sampler], property), to);
     }
   return lights;
 }
 
-LightSource light_from(const Light& from, const std::vector<LightTrack>& tracks, std::uint32_t node) {
+LightSource light_from(const Light& from, const LightValues& rest, const std::vector<LightTrack>& tracks,
+                       std::uint32_t node) {
   LightSource to;
   to.name = from.name;
   to.node = node;
@@ -113,15 +123,15 @@ LightSource light_from(const Light& from, const std::vector<LightTrack>& tracks,
             : from.type == "spot" ? LightKind::Spot
                                   : LightKind::Directional;
   if (!tracks.empty())
-    to.animation = {glm::vec3(glm::min(from.color, kMostIntensity)),
-                    static_cast<float>(std::min(from.intensity, kMostIntensity)), 1, tracks};
-  Light largest = from;
+    to.animation = {glm::vec3(glm::min(rest.color, kMostIntensity)),
+                    static_cast<float>(std::min(rest.intensity, kMostIntensity)), 1, tracks};
+  LightValues largest = rest;
   for (const LightTrack& track : tracks) set_value(track.property, largest_value(track), largest);
   to.intensity = glm::vec3(glm::min(largest.color * largest.intensity, kMostIntensity));
   if (largest.range_m && to.kind != LightKind::Directional)
     to.range_m = static_cast<float>(std::min(*largest.range_m, kMostIntensity));
   if (to.kind != LightKind::Spot) return to;
-  to.inner_cone_rad = static_cast<float>(from.inner_cone_rad);
+  to.inner_cone_rad = static_cast<float>(rest.inner_cone_rad);
   to.outer_cone_rad = static_cast<float>(std::min(largest.outer_cone_rad, std::numbers::pi / 2));
   return to;
 }

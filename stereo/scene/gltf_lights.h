@@ -3,14 +3,22 @@
 
 #include <map>
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade::gltf {
 
+/// The numbers of a light.
+struct LightValues {
+  glm::dvec3 color{1.0};
+  double intensity = 1, inner_cone_rad = 0, outer_cone_rad = 0;
+  std::optional<double> range_m;
+};
+[[nodiscard]] LightValues values_of(const Light& light);
+
 /// A light of the document. Tracks with a constant value are part of `rest`.
 struct AnimatedLight {
-  Light rest;
+  LightValues rest;
   std::vector<LightTrack> tracks;
   double length_s = 0;  ///< of all tracks, also of the constant ones
 };
@@ -21,7 +29,7 @@ using AnimatedLights = std::map<std::uint32_t, AnimatedLight>;
 [[nodiscard]] AnimatedLights animated_lights(const Document& document, const std::vector<Index>& scene_node);
 
 /// `tracks` may be empty.
-[[nodiscard]] LightSource light_from(const Light& from, const std::vector<LightTrack>& tracks,
-                                     std::uint32_t node);
+[[nodiscard]] LightSource light_from(const Light& from, const LightValues& rest,
+                                     const std::vector<LightTrack>& tracks, std::uint32_t node);
 
 }  // namespace farshade::gltf

@@ -8,20 +8,35 @@
 namespace farshade::gltf {
 namespace {
 
-Wrap wrap_from(std::uint32_t code) {
-  return code == 33648 ? Wrap::MirroredRepeat : code == 33071 ? Wrap::ClampToEdge : Wrap::Repeat;
+using tinygltf::Value;
+
+Wrap wrap_from(int code) {
+  return code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::MirroredRepeat
+         : code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE ? Wrap::ClampToEdge
+                                                       : Wrap::Repeat;
 }
 
 std::optional<float> cutoff_from(const Material& material) {
-  if (material.alpha_mode == "BLEND") return 0.5f;
-  if (material.alpha_mode == "OPAQUE") return {};
-  return static_cast<float>(material.alpha_cutoff);
+  if (material.alphaMode == "BLEND") return 0.5f;
+  if (material.alphaMode == "OPAQUE") return {};
+  return static_cast<float>(material.alphaCutoff);
 }
 
-std::span<const std::uint8_t> file_of(const Document& document, const Image& image) {
-  if (!image.view) return image.file;
-  const BufferView& view = document.views[*image.view];
-  return std::span(document.buffers[view.buffer]).subspan(view.offset, view.bytes);
+std::span<const std::uint8_t> file_of(const Document& document, const tinygltf::Image& image) {
+  if (image.bufferView < 0) return image.image;
+  const BufferView& view = at(document.bufferViews, image.bufferView);
+  return std::span(at(document.buffers, view.buffer).data).subspan(view.byteOffset, view.byteLength);
+}
+
+TextureUse texture_use(std::uint32_t texture, std::uint32_t texcoord, const Value* transform) {
+  TextureUse use{.texture = texture, .texcoord = texcoord};
+  if (!transform) return use;
+  use.offset = vector_member(*transform, "offset", use.offset);
+  use.scale = vector_member(*transform, "scale", use.scale);
+  if (const Value* rotation = member(*transform, "rotation"))
+    use.rotation_rad = rotation->GetNumberAsDouble();
+  use.texcoord = index_member(*transform, "texCoord").value_or(texcoord);
+  return use;
 }
 
 /// SceneLimits::all_image_pixels says why.
@@ -36,11 +51,31 @@ float least_alpha(const farshade::Texture& texture) {
 
 }  // namespace
 
+glm::dvec4 base_color_of(const Material& material) {
+  const auto color = vector_of(material.pbrMetallicRoughness.baseColorFactor, glm::dvec4(1.0));
+  const Value* diffuse = extension(material.extensions, "KHR_materials_pbrSpecularGlossiness");
+  return diffuse ? vector_member(*diffuse, "diffuseFactor", color) : color;
+}
+
+std::optional<TextureUse> texture_of(const Material& material) {
+  const Value* diffuse = extension(material.extensions, "KHR_materials_pbrSpecularGlossiness");
+  if (const Value* from = diffuse ? member(*diffuse, "diffuseTexture") : nullptr) {
+    const Value* extensions = member(*from, "extensions");
+    return texture_use(index_member(*from, "index").value_or(0), index_member(*from, "texCoord").value_or(0),
+                       extensions ? member(*extensions, "KHR_texture_transform") : nullptr);
+  }
+  const tinygltf::TextureInfo& from = material.pbrMetallicRoughness.baseColorTexture;
+  const Index texture = index_of(from.index);
+  if (!texture) return std::nullopt;
+  return texture_use(*texture, static_cast<std::uint32_t>(from.texCoord),
+                     extension(from.extensions, "KHR_texture_transform"));
+}
+
 MaterialConverter::MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene)
     : document_(document), limits_(limits), scene_(scene), pixels_left_(limits.image_pixels) {
-  std::set<std::uint32_t> views;  // a file counts once, whatever number of images it is
-  for (const Image& image : document.images)
-    if (!image.view || views.insert(*image.view).second)
+  std::set<int> views;  // a file counts once, whatever number of images it is
+  for (const tinygltf::Image& image : document.images)
+    if (image.bufferView < 0 || views.insert(image.bufferView).second)
       pixels_left_ += kMostPixelsPerByte * file_of(document, image).size();
   pixels_left_ = std::min(pixels_left_, limits.all_image_pixels);
 }
@@ -51,14 +86,15 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
   if (index) {
     const Material& from = document_.materials[*index];
     result.name = from.name;
-    result.base_color = glm::vec4(from.base_color);
+    result.base_color = glm::vec4(base_color_of(from));
     result.alpha_cutoff = cutoff_from(from);
-    result.double_sided = from.double_sided;
-    result.unlit = from.unlit;
-    const bool has_image = from.texture && is_readable(document_.textures[from.texture->texture].image);
-    if (from.texture && !has_image) leave_out_texture();
+    result.double_sided = from.doubleSided;
+    result.unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
+    const std::optional<TextureUse> use = texture_of(from);
+    const bool has_image = use && is_readable(image_of(document_.textures[use->texture]));
+    if (use && !has_image) leave_out_texture();
     if (has_image) {
-      const auto number = texture(from.texture->texture);
+      const auto number = texture(use->texture);
       if (!number) return tl::unexpected(number.error());
       result.texture = *number;
     }
@@ -83,20 +119,21 @@ void MaterialConverter::leave_out_texture() {
 }
 
 Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {
-  const Texture& from = document_.textures[index];
-  const TextureSampler sampler = from.sampler ? document_.texture_samplers[*from.sampler] : TextureSampler{};
-  const TextureKey key{*from.image, wrap_from(sampler.wrap_s), wrap_from(sampler.wrap_t)};
+  const tinygltf::Texture& from = document_.textures[index];
+  const std::uint32_t source = *image_of(from);
+  const auto sampler = from.sampler < 0 ? tinygltf::Sampler{} : at(document_.samplers, from.sampler);
+  const TextureKey key{source, wrap_from(sampler.wrapS), wrap_from(sampler.wrapT)};
   if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
-  auto image = decode(*from.image);
+  auto image = decode(source);
   if (!image) return tl::unexpected(image.error());
   scene_.textures.push_back({std::move(*image), std::get<1>(key), std::get<2>(key)});
   return textures_[key] = static_cast<std::uint32_t>(scene_.textures.size() - 1);
 }
 
 Expected<farshade::Image<Rgba8>> MaterialConverter::decode(std::uint32_t index) {
-  const Image& from = document_.images[index];
+  const tinygltf::Image& from = document_.images[index];
   const std::string name = label("image", index, from.name);
-  if (from.unreadable) return fail(from.unreadable->fault, name + ": " + from.unreadable->what);
+  if (const auto& why = document_.unreadable[index]) return fail(why->fault, name + ": " + why->what);
   auto image =
       decode_image(std::as_bytes(file_of(document_, from)), std::min(limits_.image_pixels, pixels_left_));
   if (!image) return fail(image.error().fault, name + ": " + image.error().what);

@@ -5,9 +5,28 @@
 #include <tuple>
 
 #include "stereo/scene/gltf.h"
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
+
+/// The base colour factor: of the older description of surfaces (KHR_materials_pbrSpecularGlossiness) its
+/// diffuse factor.
+[[nodiscard]] glm::dvec4 base_color_of(const Material& material);
+
+/// A reference to a texture, with KHR_texture_transform.
+struct TextureUse {
+  std::uint32_t texture = 0, texcoord = 0;
+  glm::dvec2 offset{0.0}, scale{1.0};
+  double rotation_rad = 0;
+};
+
+/// The texture of the base colour.
+[[nodiscard]] std::optional<TextureUse> texture_of(const Material& material);
+/// That of the primitive's material, which must be in range.
+[[nodiscard]] inline std::optional<TextureUse> texture_of(const Document& document,
+                                                          const Primitive& primitive) {
+  return primitive.material < 0 ? std::nullopt : texture_of(at(document.materials, primitive.material));
+}
 
 class MaterialConverter {
  public:

@@ -5,13 +5,14 @@
 #include <numeric>
 
 #include "stereo/scene/gltf_accessor.h"
+#include "stereo/scene/gltf_materials.h"
 
 namespace farshade::gltf {
 namespace {
 
 std::vector<std::uint32_t> corners_of(const Document& document, const Primitive& primitive,
                                       std::size_t vertices) {
-  if (primitive.indices) return read_indices(document, *primitive.indices);
+  if (const Index indices = index_of(primitive.indices)) return read_indices(document, *indices);
   std::vector<std::uint32_t> corners(vertices);
   std::iota(corners.begin(), corners.end(), 0u);
   return corners;
@@ -25,16 +26,17 @@ glm::dvec3 area_vector(const std::vector<glm::vec3>& positions, glm::uvec3 trian
 
 /// Triangles by glTF 2.0 section 3.7.2.1: every second triangle of a strip swaps two corners to keep the
 /// winding.
-std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>& corners) {
-  const std::size_t count = mode == Mode::Triangles ? corners.size() / 3 : corners.size() - 2;
+std::vector<glm::uvec3> triangles_of(int mode, const std::vector<std::uint32_t>& corners) {
+  const std::size_t count = mode == TINYGLTF_MODE_TRIANGLES ? corners.size() / 3 : corners.size() - 2;
   std::vector<glm::uvec3> triangles;
   triangles.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t odd = i % 2;
-    const glm::uvec3 triangle =
-        mode == Mode::Triangles       ? glm::uvec3(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2])
-        : mode == Mode::TriangleStrip ? glm::uvec3(corners[i], corners[i + 1 + odd], corners[i + 2 - odd])
-                                      : glm::uvec3(corners[i + 1], corners[i + 2], corners[0]);
+    const glm::uvec3 triangle = mode == TINYGLTF_MODE_TRIANGLES
+                                    ? glm::uvec3(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2])
+                                : mode == TINYGLTF_MODE_TRIANGLE_STRIP
+                                    ? glm::uvec3(corners[i], corners[i + 1 + odd], corners[i + 2 - odd])
+                                    : glm::uvec3(corners[i + 1], corners[i + 2], corners[0]);
     triangles.push_back(triangle);
   }
   return triangles;
@@ -100,7 +102,7 @@ void make_unit(farshade::Mesh& mesh) {
 /// translate. The text of the extension, three.js and the Khronos sample viewer agree on this.
 std::vector<glm::vec2> texture_coordinates(const Document& document, const Primitive& primitive,
                                            const TextureUse& use, std::size_t vertices) {
-  const Index accessor = primitive.attribute("TEXCOORD_" + std::to_string(use.texcoord));
+  const Index accessor = attribute(primitive, "TEXCOORD_" + std::to_string(use.texcoord));
   if (!accessor) return std::vector<glm::vec2>(vertices, glm::vec2(0.0f));
   auto uvs = read_vectors<2>(document, *accessor);
   if (use.offset == glm::dvec2(0.0) && use.scale == glm::dvec2(1.0) && use.rotation_rad == 0.0) return uvs;
@@ -124,10 +126,9 @@ std::vector<glm::u8vec4> colors_from(const std::vector<glm::vec4>& colors) {
 
 /// All but the vertices and normals that are read already.
 void complete(const Document& document, const Primitive& primitive, farshade::Mesh& mesh) {
-  const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
-  if (material && material->texture)
-    mesh.uvs = texture_coordinates(document, primitive, *material->texture, mesh.positions.size());
-  if (const Index color = primitive.attribute("COLOR_0"))
+  if (const auto texture = texture_of(document, primitive))
+    mesh.uvs = texture_coordinates(document, primitive, *texture, mesh.positions.size());
+  if (const Index color = attribute(primitive, "COLOR_0"))
     mesh.colors = colors_from(read_vectors<4>(document, *color));
   mesh.normals.empty() ? make_flat(mesh) : make_unit(mesh);
 }
@@ -142,10 +143,10 @@ void remove_without_area(farshade::Mesh& mesh) {
 
 farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
   farshade::Mesh mesh;
-  mesh.positions = read_vectors<3>(document, *primitive.attribute("POSITION"));
+  mesh.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"));
   mesh.triangles = triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()));
   remove_without_area(mesh);
-  if (const Index normal = primitive.attribute("NORMAL")) mesh.normals = read_vectors<3>(document, *normal);
+  if (const Index normal = attribute(primitive, "NORMAL")) mesh.normals = read_vectors<3>(document, *normal);
   complete(document, primitive, mesh);
   return mesh;
 }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "stereo/scene/gltf.h"
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_model.h"
 
 namespace farshade::gltf {
 
@@ -32,7 +32,7 @@ namespace farshade::gltf {
 
 /// `roots` and the nodes below them, parents before children. The nodes must be a forest (validate_nodes).
 [[nodiscard]] std::vector<std::uint32_t> parents_first(const Document& document,
-                                                       const std::vector<std::uint32_t>& roots);
+                                                       const std::vector<int>& roots);
 
 /// The limit on the elements of all accessors together, and on the elements that all primitives read:
 /// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.
@@ -44,12 +44,6 @@ template <class List, class Check>
   for (std::size_t i = 0; i < list.size(); ++i)
     if (Checked checked = check_item(i, list[i]); !checked) return checked;
   return {};
-}
-
-/// True if the optional index is absent or in range for `list`.
-template <class List>
-[[nodiscard]] bool points_into(const List& list, Index index) {
-  return !index || *index < list.size();
 }
 
 }  // namespace farshade::gltf

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "stereo/scene/gltf_accessor.h"
+#include "stereo/scene/gltf_lights.h"
+#include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_validate.h"
 
 namespace farshade::gltf {
@@ -23,7 +25,7 @@ struct Attribute {
 };
 
 bool is_allowed(const Accessor& accessor, Integers integers) {
-  const Component c = accessor.component;
+  const Component c = component_of(accessor);
   if (c == Component::Float) return true;
   if (c == Component::UInt32) return false;
   if (integers == Integers::Any) return true;
@@ -31,14 +33,16 @@ bool is_allowed(const Accessor& accessor, Integers integers) {
   return accessor.normalized && is_signed == (integers == Integers::NormalizedSigned);
 }
 
-Checked check_attribute(const Document& document, const std::string& name, const Primitive& primitive,
-                        const Attribute& expected, std::uint64_t vertices) {
-  const Index index = primitive.attribute(expected.semantic);
+Checked check_attribute(const Document& document, const std::string& name,
+                        const std::map<std::string, int>& attributes, const Attribute& expected,
+                        std::uint64_t vertices) {
+  const Index index = attribute(attributes, expected.semantic);
   if (!index) return {};
   const std::string subject = name + ": " + printable(expected.semantic) + " " + label("accessor", *index);
   if (*index >= document.accessors.size()) return malformed(subject + " is not there");
   const Accessor& accessor = document.accessors[*index];
-  if (accessor.columns != 1 || accessor.rows < expected.least_rows || accessor.rows > expected.most_rows ||
+  const Shape shape = shape_of(accessor);
+  if (shape.columns != 1 || shape.rows < expected.least_rows || shape.rows > expected.most_rows ||
       !is_allowed(accessor, expected.integers))
     return malformed(subject + " has a type that this attribute cannot have");
   if (accessor.count != vertices)
@@ -58,8 +62,8 @@ Checked check_positions(const Document& document, const std::string& name, std::
                                      std::to_string(far - positions.begin()) + " lies beyond 1e9");
 }
 
-Checked check_index_count(const std::string& name, Mode mode, std::uint64_t count) {
-  const bool whole = mode == Mode::Triangles ? count % 3 == 0 : count >= 3;
+Checked check_index_count(const std::string& name, int mode, std::uint64_t count) {
+  const bool whole = mode == TINYGLTF_MODE_TRIANGLES ? count % 3 == 0 : count >= 3;
   if (whole) return {};
   return malformed(name + ": " + std::to_string(count) + " vertices do not make whole triangles");
 }
@@ -69,9 +73,9 @@ Checked check_indices(const Document& document, const std::string& name, std::ui
   const std::string subject = name + ": index " + label("accessor", index);
   if (index >= document.accessors.size()) return malformed(subject + " is not there");
   const Accessor& accessor = document.accessors[index];
-  const Component c = accessor.component;
+  const Component c = component_of(accessor);
   const bool is_unsigned = c == Component::UInt8 || c == Component::UInt16 || c == Component::UInt32;
-  if (!is_unsigned || accessor.rows != 1 || accessor.columns != 1 || accessor.normalized)
+  if (!is_unsigned || !has_shape(accessor, 1) || accessor.normalized)
     return malformed(subject + " should hold unsigned integers");
   const auto indices = read_indices(document, index);
   const auto worst = std::max_element(indices.begin(), indices.end());
@@ -83,24 +87,23 @@ Checked check_indices(const Document& document, const std::string& name, std::ui
 
 /// The texture coordinates that the material of a primitive reads. Other TEXCOORD_n are not read.
 std::string texcoord_semantic(const Document& document, const Primitive& primitive) {
-  const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
-  return material && material->texture ? "TEXCOORD_" + std::to_string(material->texture->texcoord) : "";
+  const auto texture = texture_of(document, primitive);
+  return texture ? "TEXCOORD_" + std::to_string(texture->texcoord) : "";
 }
 
 Checked check_primitive(const Document& document, const std::string& name, const Primitive& primitive,
                         std::uint64_t& left) {
-  if (static_cast<std::uint32_t>(primitive.mode) > 6)
-    return malformed(name + ": unknown mode " + std::to_string(static_cast<std::uint32_t>(primitive.mode)));
+  if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+    return malformed(name + ": unknown mode " + std::to_string(primitive.mode));
   if (!points_into(document.materials, primitive.material))
-    return malformed(name + ": there is no " + label("material", *primitive.material));
-  const Index position = primitive.attribute("POSITION");
-  if (!position || !primitive.draws_triangles()) return {};
+    return malformed(name + ": there is no " + label("material", primitive.material));
+  const Index position = attribute(primitive, "POSITION"), index = index_of(primitive.indices);
+  if (!position || !draws_triangles(primitive)) return {};
   if (*position >= document.accessors.size())
     return malformed(name + ": POSITION " + label("accessor", *position) + " is not there");
   const std::uint64_t vertices = document.accessors[*position].count;
-  const std::uint64_t indices = primitive.indices && *primitive.indices < document.accessors.size()
-                                    ? document.accessors[*primitive.indices].count
-                                    : vertices;
+  const std::uint64_t indices =
+      index && *index < document.accessors.size() ? document.accessors[*index].count : vertices;
   if (vertices + indices > left)
     return fail(Fault::OutOfRange, name + ": more vertices than a file of this size should have");
   left -= vertices + indices;
@@ -108,42 +111,36 @@ Checked check_primitive(const Document& document, const std::string& name, const
                                   {"NORMAL", 3, 3, Integers::NormalizedSigned},
                                   {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
                                   {texcoord_semantic(document, primitive), 2, 2, Integers::Any}};
-  for (const Attribute& attribute : attributes)
-    if (auto checked = check_attribute(document, name, primitive, attribute, vertices); !checked)
+  for (const Attribute& expected : attributes)
+    if (auto checked = check_attribute(document, name, primitive.attributes, expected, vertices); !checked)
       return checked;
   return check_positions(document, name, *position)
-      .and_then([&] {
-        return primitive.indices ? check_indices(document, name, *primitive.indices, vertices) : Checked{};
-      })
+      .and_then([&] { return index ? check_indices(document, name, *index, vertices) : Checked{}; })
       .and_then([&] { return check_index_count(name, primitive.mode, indices); });
 }
 
 /// Morph targets, and the joints and weights of a skin.
 Checked check_deforming(const Document& document, const std::string& name, const Primitive& primitive) {
-  const Index position = primitive.attribute("POSITION");
-  if (!position || !primitive.draws_triangles()) return {};
+  const Index position = attribute(primitive, "POSITION");
+  if (!position || !draws_triangles(primitive)) return {};
   const std::uint64_t vertices = document.accessors[*position].count;
-  for (const MorphTarget& target : primitive.targets) {
-    Primitive differences;
-    if (target.position) differences.attributes["POSITION"] = *target.position;
-    if (target.normal) differences.attributes["NORMAL"] = *target.normal;
+  for (const auto& target : primitive.targets)
     for (const char* semantic : {"POSITION", "NORMAL"})
-      if (auto checked = check_attribute(document, name + ", morph target", differences,
+      if (auto checked = check_attribute(document, name + ", morph target", target,
                                          {semantic, 3, 3, Integers::Any}, vertices);
           !checked)
         return checked;
-  }
-  return check_attribute(document, name, primitive, {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned},
-                         vertices)
+  return check_attribute(document, name, primitive.attributes,
+                         {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned}, vertices)
       .and_then([&]() -> Checked {
-        const Index joints = primitive.attribute("JOINTS_0");
+        const Index joints = attribute(primitive, "JOINTS_0");
         if (!joints) return {};
         const std::string subject = name + ": JOINTS_0 " + label("accessor", *joints);
         if (*joints >= document.accessors.size()) return malformed(subject + " is not there");
         const Accessor& accessor = document.accessors[*joints];
-        const bool whole = accessor.component == Component::UInt8 || accessor.component == Component::UInt16;
-        if (!whole || accessor.normalized || accessor.rows != 4 || accessor.columns != 1 ||
-            accessor.count != vertices)
+        const Component component = component_of(accessor);
+        const bool whole = component == Component::UInt8 || component == Component::UInt16;
+        if (!whole || accessor.normalized || !has_shape(accessor, 4) || accessor.count != vertices)
           return malformed(subject + " should have four unsigned integers for each vertex");
         return {};
       });
@@ -153,14 +150,15 @@ Checked check_deforming(const Document& document, const std::string& name, const
 Checked check_skin(const Document& document, std::size_t index, const Skin& skin, std::uint64_t& left) {
   const std::string name = label("skin", index, skin.name);
   if (skin.joints.empty()) return malformed(name + " has no joints");
-  for (const std::uint32_t joint : skin.joints)
-    if (joint >= document.nodes.size()) return malformed(name + ": there is no " + label("node", joint));
+  for (const int joint : skin.joints)
+    if (!points_into(document.nodes, joint)) return malformed(name + ": there is no " + label("node", joint));
   std::uint64_t matrices = skin.joints.size();
-  if (skin.inverse_bind) {
-    const std::string subject = name + ": inverse bind matrices, " + label("accessor", *skin.inverse_bind);
-    if (*skin.inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
-    const Accessor& accessor = document.accessors[*skin.inverse_bind];
-    if (accessor.component != Component::Float || accessor.rows != 4 || accessor.columns != 4 ||
+  const Index inverse_bind = index_of(skin.inverseBindMatrices);
+  if (inverse_bind) {
+    const std::string subject = name + ": inverse bind matrices, " + label("accessor", *inverse_bind);
+    if (*inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
+    const Accessor& accessor = document.accessors[*inverse_bind];
+    if (component_of(accessor) != Component::Float || !has_shape(accessor, 4, 4) ||
         accessor.count < skin.joints.size())
       return malformed(subject + " should have a matrix of floats for each joint");
     matrices += accessor.count;
@@ -168,49 +166,49 @@ Checked check_skin(const Document& document, std::size_t index, const Skin& skin
   if (16 * matrices > left)
     return fail(Fault::OutOfRange, name + ": more joints than a file of this size should have");
   left -= 16 * matrices;
-  if (!skin.inverse_bind) return {};
+  if (!inverse_bind) return {};
   const auto is_near = [](const glm::vec4& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z), std::abs(v.w)}) <= kMaxCoordinate;
   };
-  for (const glm::mat4& m : read_matrices(document, *skin.inverse_bind))
+  for (const glm::mat4& m : read_matrices(document, *inverse_bind))
     if (!is_near(m[0]) || !is_near(m[1]) || !is_near(m[2]) || !is_near(m[3]))
       return fail(Fault::OutOfRange, name + ": an inverse bind matrix has numbers beyond 1e9");
   return {};
 }
 
 /// The nodes whose weights an animation moves.
-std::set<std::uint32_t> nodes_with_tracks(const Document& document) {
-  std::set<std::uint32_t> nodes;
+std::set<int> nodes_with_tracks(const Document& document) {
+  std::set<int> nodes;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& channel : animation.channels)
-      if (channel.path == "weights") nodes.insert(channel.node);
+      if (channel.target_path == "weights") nodes.insert(channel.target_node);
   return nodes;
 }
 
 /// What a node reads and makes: instances, and if it deforms its mesh, joints, vertices and indices of its
 /// own. Flat triangles and parts (mesh_parts.h) may have three vertices for each triangle.
 std::uint64_t cost_of(const Document& document, const Node& node, bool has_track) {
-  const Mesh& mesh = document.meshes[*node.mesh];
-  const bool deforms = node.skin || has_track || !node.weights.empty() || !mesh.weights.empty();
+  const Mesh& mesh = at(document.meshes, node.mesh);
+  const bool deforms = node.skin >= 0 || has_track || !node.weights.empty() || !mesh.weights.empty();
   std::uint64_t cost = 1 + mesh.primitives.size() + node.weights.size() + mesh.weights.size();
   for (const Primitive& primitive : mesh.primitives) {
-    const Index position = primitive.attribute("POSITION");
-    if (!deforms || !position || !primitive.draws_triangles()) continue;
+    const Index position = attribute(primitive, "POSITION"), index = index_of(primitive.indices);
+    if (!deforms || !position || !draws_triangles(primitive)) continue;
     const std::uint64_t vertices = document.accessors[*position].count;
-    const std::uint64_t indices = primitive.indices ? document.accessors[*primitive.indices].count : vertices;
-    const std::uint64_t corners = primitive.mode == Mode::Triangles ? indices : 3 * indices;
+    const std::uint64_t indices = index ? document.accessors[*index].count : vertices;
+    const std::uint64_t corners = primitive.mode == TINYGLTF_MODE_TRIANGLES ? indices : 3 * indices;
     cost += (vertices + corners) * (1 + primitive.targets.size());
   }
-  if (node.skin) cost += 16 * document.skins[*node.skin].joints.size();
+  if (node.skin >= 0) cost += 16 * at(document.skins, node.skin).joints.size();
   return cost;
 }
 
 Checked check_joints(const Document& document, const std::string& name, const Node& node) {
-  if (!node.skin) return {};
-  const auto joints = static_cast<float>(document.skins[*node.skin].joints.size());
-  for (const Primitive& primitive : document.meshes[*node.mesh].primitives) {
-    const Index named = primitive.attribute("JOINTS_0");
-    if (!primitive.attribute("POSITION") || !primitive.draws_triangles() || !named) continue;
+  if (node.skin < 0) return {};
+  const auto joints = static_cast<float>(at(document.skins, node.skin).joints.size());
+  for (const Primitive& primitive : at(document.meshes, node.mesh).primitives) {
+    const Index named = attribute(primitive, "JOINTS_0");
+    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive) || !named) continue;
     for (const glm::vec4& of_vertex : read_vectors<4>(document, *named))
       if (std::max({of_vertex.x, of_vertex.y, of_vertex.z, of_vertex.w}) >= joints)
         return malformed(name + ": a vertex names a joint that its skin does not have");
@@ -221,11 +219,11 @@ Checked check_joints(const Document& document, const std::string& name, const No
 /// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
 Checked check_mesh_nodes(const Document& document) {
   std::uint64_t left = element_budget(document);
-  const std::set<std::uint32_t> tracks = nodes_with_tracks(document);
+  const std::set<int> tracks = nodes_with_tracks(document);
   return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
-    if (!node.mesh) return {};
+    if (node.mesh < 0) return {};
     const std::string name = label("node", index, node.name);
-    const std::uint64_t cost = cost_of(document, node, tracks.contains(static_cast<std::uint32_t>(index)));
+    const std::uint64_t cost = cost_of(document, node, tracks.contains(static_cast<int>(index)));
     if (cost > left)
       return fail(Fault::OutOfRange,
                   name + ": its mesh is shown or deformed more often than in a file of this size should be");
@@ -234,37 +232,40 @@ Checked check_mesh_nodes(const Document& document) {
   });
 }
 
-Checked check_image(const Document& document, std::size_t index, const Image& image) {
-  if (points_into(document.views, image.view)) return {};
-  return malformed(label("image", index, image.name) + ": there is no " + label("buffer view", *image.view));
+Checked check_image(const Document& document, std::size_t index, const tinygltf::Image& image) {
+  if (points_into(document.bufferViews, image.bufferView)) return {};
+  return malformed(label("image", index, image.name) + ": there is no " +
+                   label("buffer view", image.bufferView));
 }
 
-bool is_wrap(std::uint32_t wrap) {
-  return wrap == 10497 || wrap == 33648 || wrap == 33071;
+bool is_wrap(int wrap) {
+  return wrap == TINYGLTF_TEXTURE_WRAP_REPEAT || wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ||
+         wrap == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
 }
 
-Checked check_texture(const Document& document, std::size_t index, const Texture& texture) {
+Checked check_texture(const Document& document, std::size_t index, const tinygltf::Texture& texture) {
   const std::string name = label("texture", index, texture.name);
-  if (!points_into(document.images, texture.image))
-    return malformed(name + ": there is no " + label("image", *texture.image));
-  if (!points_into(document.texture_samplers, texture.sampler))
-    return malformed(name + ": there is no " + label("sampler", *texture.sampler));
-  if (!texture.sampler) return {};
-  const TextureSampler& sampler = document.texture_samplers[*texture.sampler];
-  if (!is_wrap(sampler.wrap_s) || !is_wrap(sampler.wrap_t))
-    return malformed(label("sampler", *texture.sampler) + ": unknown wrap mode");
+  if (const Index image = image_of(texture); image && *image >= document.images.size())
+    return malformed(name + ": there is no " + label("image", *image));
+  if (!points_into(document.samplers, texture.sampler))
+    return malformed(name + ": there is no " + label("sampler", texture.sampler));
+  if (texture.sampler < 0) return {};
+  const tinygltf::Sampler& sampler = at(document.samplers, texture.sampler);
+  if (!is_wrap(sampler.wrapS) || !is_wrap(sampler.wrapT))
+    return malformed(label("sampler", texture.sampler) + ": unknown wrap mode");
   return {};
 }
 
 Checked check_material(const Document& document, std::size_t index, const Material& material) {
   const std::string name = label("material", index, material.name);
-  if (material.texture && material.texture->texture >= document.textures.size())
-    return malformed(name + ": there is no " + label("texture", material.texture->texture));
-  for (int i = 0; i < 4; ++i)
-    if (material.base_color[i] < 0.0 || material.base_color[i] > 1.0)
-      return malformed(name + ": the base colour factor is outside of 0 to 1");
-  if (material.alpha_mode != "OPAQUE" && material.alpha_mode != "MASK" && material.alpha_mode != "BLEND")
-    return malformed(name + ": unknown alpha mode '" + printable(material.alpha_mode) + "'");
+  if (const auto use = texture_of(material); use && use->texture >= document.textures.size())
+    return malformed(name + ": there is no " + label("texture", use->texture));
+  const glm::dvec4 color = base_color_of(material);
+  if (std::min({color.x, color.y, color.z, color.w}) < 0 ||
+      std::max({color.x, color.y, color.z, color.w}) > 1)
+    return malformed(name + ": the base colour factor is outside of 0 to 1");
+  if (material.alphaMode != "OPAQUE" && material.alphaMode != "MASK" && material.alphaMode != "BLEND")
+    return malformed(name + ": unknown alpha mode '" + printable(material.alphaMode) + "'");
   return {};
 }
 
@@ -272,10 +273,11 @@ Checked check_light(std::size_t index, const Light& light) {
   const std::string name = label("light", index, light.name);
   if (light.type != "point" && light.type != "spot" && light.type != "directional")
     return malformed(name + ": unknown type '" + printable(light.type) + "'");
-  if (std::min({light.color.x, light.color.y, light.color.z}) < 0.0)
+  const LightValues values = values_of(light);
+  if (std::min({values.color.x, values.color.y, values.color.z}) < 0.0)
     return malformed(name + ": its colour is negative");
-  if (light.type == "spot" &&
-      !(light.inner_cone_rad < light.outer_cone_rad && light.outer_cone_rad <= std::numbers::pi / 2 + 1e-6))
+  if (light.type == "spot" && !(values.inner_cone_rad < values.outer_cone_rad &&
+                                values.outer_cone_rad <= std::numbers::pi / 2 + 1e-6))
     return malformed(name + ": the cone should be 0 <= inner < outer <= pi/2");
   return {};
 }

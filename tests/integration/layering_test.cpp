@@ -17,6 +17,7 @@ std::vector<Library> libraries() {
           {"embree", "stereo", 2},
           {"meshoptimizer", "stereo", 5},
           {"draco", "stereo/scene", 1},
+          {"tiny_gltf", "stereo/scene", 2},
           {"png.h", "stereo/image", 1},
           {"avahi", "stereo/announce", 3},
           {"zlib.h", "vr_client/record", 1},

@@ -26,7 +26,8 @@ class SceneFiles : public testing::Test {
   SceneFiles() {
     fs::create_directories(folder_ / "sub dir");
     const auto buffer = triangle_file().bytes();
-    for (const char* name : {"scene/triangle.bin", "scene/sub dir/triangle.bin", "outside.bin"})
+    for (const char* name : {"scene/triangle.bin", "scene/sub dir/triangle.bin", "scene/a+b.bin",
+                             "scene/50%.bin", "outside.bin"})
       EXPECT_TRUE(write_file_atomically(scratch_.path() / name, buffer));
   }
   Expected<Scene> load_with(const std::string& uri) {
@@ -42,7 +43,8 @@ class SceneFiles : public testing::Test {
 };
 
 TEST_F(SceneFiles, OpensFilesInsideTheFolder) {
-  for (const char* uri : {"triangle.bin", "./triangle.bin", "sub%20dir/triangle.bin", "triangle.bi%6e"}) {
+  for (const char* uri : {"triangle.bin", "./triangle.bin", "sub%20dir/triangle.bin", "triangle.bi%6e",
+                          "a+b.bin", "a%2Bb.bin", "50%.bin", "50%25.bin"}) {
     const auto scene = load_with(uri);
     ASSERT_TRUE(scene.has_value()) << uri << ": " << scene.error().what;
     EXPECT_EQ(scene->triangle_count, 1u);

@@ -219,7 +219,11 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"/nodes/4/matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}},
                 "node 4 'eye' has both"},
         Spoiled{"SkinMissing", {{"/nodes/0/skin", 0}}, "node 0 'seat': there is no skin 0"},
-        Spoiled{"SkinWithoutJoints", {{"/skins", json::array({json::object()})}}, "skin 0 has no joints"},
+        Spoiled{
+            "SkinWithoutJoints", {{"/skins", json::array({json::object()})}}, "skins[0].joints is missing"},
+        Spoiled{"SkinOfNoJoint",
+                {{"/skins", json::array({{{"joints", json::array()}}})}},
+                "skin 0 has no joints"},
         Spoiled{
             "JointMissing", {{"/skins", json::array({{{"joints", {99}}}})}}, "skin 0: there is no node 99"},
         Spoiled{"InverseBindMissing",

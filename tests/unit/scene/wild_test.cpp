@@ -284,6 +284,14 @@ TEST(SceneChoices, RefuseWhatIsNotThereWithAListOfWhatIs) {
   EXPECT_EQ(chosen({.variant = "x"}).error().what, "there is no variant 'x'; the file has 'beach', 'meadow'");
 }
 
+TEST(SceneChoices, CountVariantsWithoutAName) {
+  GltfBuilder file = choice_file();
+  file.json["extensions"]["KHR_materials_variants"]["variants"][0] = json::object();
+  const auto scene = load_scene_from_memory(file.glb(), {}, {}, {.variant = "meadow"});
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->materials[scene->meshes[0].material].name, "green");
+}
+
 TEST(SceneChoices, ReachASceneThatIsLit) {
   EXPECT_EQ(light_scene(chosen({.scene = 1}).value(), {})->scene.nodes[0].name, "far seat");
 }
@@ -295,6 +303,57 @@ TEST(SceneChoices, RefuseAVariantOfAMaterialThatIsNotThere) {
   EXPECT_TRUE(load(file)) << "the default does not use it";
   const auto scene = load_scene_from_memory(file.glb(), {}, {}, {.variant = "meadow"});
   expect_says(scene.error().what, "there is no material 9");
+}
+
+TEST(WildMembers, ThatNobodyReadsMayHaveAnyType) {
+  const SceneHash hash = loaded(rich_file()).hash;
+  GltfBuilder file = rich_file();
+  file.json["extras"] = {1, nullptr, "x", {{"deep", {{}}}}};
+  file.json["cameras"] = {{{"type", 7}, {"perspective", "wide"}}};
+  file.json["accessors"][0]["min"] = "low";
+  file.json["materials"][0]["emissiveFactor"] = {1};
+  file.json["materials"][0]["normalTexture"] = -1;
+  file.json["meshes"][0]["primitives"][0]["targets"] = json::array();
+  file.json["nodes"][0]["extensions"]["EXT_nobody_knows"] = 3;
+  file.json["samplers"][0]["minFilter"] = "sharp";
+  const auto scene = load(file);
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->hash, hash);
+}
+
+TEST(WildMembers, OfExtensionsMayBeLargeWholeNumbers) {
+  const auto uvs = [](const json& offset) {
+    GltfBuilder file = rich_file();
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]
+             ["KHR_texture_transform"] = {{"offset", offset}};
+    return loaded(file).meshes.at(0).uvs;
+  };
+  EXPECT_EQ(uvs({3000000000u, 1}), uvs({3e9, 1.0}));
+  EXPECT_EQ(uvs({3000000000u, 1}).at(0).x, 3e9f);
+}
+
+/// Bytes of a fallback buffer do not exist, so nothing may read them.
+TEST(WildBuffers, RefuseViewsOfAFallbackBufferThatAreNotCompressed) {
+  GltfBuilder file = triangle_file();
+  file.json["buffers"].push_back(
+      {{"byteLength", 36}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  EXPECT_TRUE(load(file)) << "nothing reads it";
+  file.json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 1}});
+  expect_says(refused(file).what, "reads beyond its buffer (0 bytes)");
+}
+
+TEST(WildIndices, MayBeSparseWithoutABufferView) {
+  GltfBuilder file = triangle_file();
+  const auto numbers = file.view<std::uint8_t>({1, 2, 0, 0}), values = file.view<std::uint16_t>({1, 2});
+  file.json["accessors"].push_back({{"componentType", 5123},
+                                    {"type", "SCALAR"},
+                                    {"count", 3},
+                                    {"sparse",
+                                     {{"count", 2},
+                                      {"indices", {{"bufferView", numbers}, {"componentType", 5121}}},
+                                      {"values", {{"bufferView", values}}}}}});
+  file.json["meshes"][0]["primitives"][0]["indices"] = file.json["accessors"].size() - 1;
+  EXPECT_EQ(loaded(file).meshes.at(0).triangles.at(0), glm::uvec3(0, 1, 2));
 }
 
 TEST(WildIndices, Of8And16BitsAreRead) {

@@ -1,0 +1,246 @@
+/// The content of a glTF file as tinygltf stores it (Document), and short words for what the loader asks of
+/// it. gltf_read.cpp fills a Document; the members of the file have the right types then, but indices and
+/// ranges may still be wrong. gltf_validate.cpp checks them before the Document is converted to a Scene.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stereo/base/expected.h"
+#include "stereo/base/printable.h"
+
+namespace farshade::gltf {
+
+using tinygltf::Accessor;
+using tinygltf::Animation;
+using tinygltf::AnimationChannel;
+using tinygltf::AnimationSampler;
+using tinygltf::BufferView;
+using tinygltf::Light;
+using tinygltf::Material;
+using tinygltf::Mesh;
+using tinygltf::Node;
+using tinygltf::Primitive;
+using tinygltf::Skin;
+
+using Checked = Expected<void>;
+using Bytes = std::vector<std::uint8_t>;
+
+/// An index that may be absent. tinygltf writes -1 then.
+using Index = std::optional<std::uint32_t>;
+[[nodiscard]] inline Index index_of(int index) {
+  return index < 0 ? Index{} : Index{static_cast<std::uint32_t>(index)};
+}
+
+/// What a pointer to a light means, such as "/extensions/KHR_lights_punctual/lights/0/intensity".
+struct LightChannel {
+  std::uint32_t sampler = 0, light = 0;
+  std::string property;  ///< such as "color" or "spot/outerConeAngle"
+};
+
+/// The file, and what the loader finds beside it.
+struct Document : tinygltf::Model {
+  std::vector<std::vector<LightChannel>> light_channels;  ///< of each animation
+  std::vector<std::optional<Error>> unreadable;  ///< for each image: why its external file could not be read
+  Index chosen_camera;                           ///< node (choose_camera); none: the reference camera
+  std::vector<std::string> warnings;             ///< what is not drawn as the file says, one sentence each
+};
+
+/// True if the index is absent or in range for `list`.
+template <class List>
+[[nodiscard]] bool points_into(const List& list, int index) {
+  return index < 0 || static_cast<std::size_t>(index) < list.size();
+}
+
+/// `list[index]`. The index must be in range.
+template <class List>
+[[nodiscard]] auto& at(List& list, int index) {
+  return list[static_cast<std::size_t>(index)];
+}
+
+// Accessors.
+
+enum class Component : int {
+  Int8 = 5120,
+  UInt8 = 5121,
+  Int16 = 5122,
+  UInt16 = 5123,
+  UInt32 = 5125,
+  Float = 5126
+};
+
+[[nodiscard]] inline Component component_of(const Accessor& accessor) {
+  return static_cast<Component>(accessor.componentType);
+}
+
+/// Size of a component in bytes; 0 for a component type that glTF does not have.
+[[nodiscard]] constexpr std::uint64_t bytes_of(Component c) {
+  switch (c) {
+    case Component::Int8:
+    case Component::UInt8:
+      return 1;
+    case Component::Int16:
+    case Component::UInt16:
+      return 2;
+    case Component::UInt32:
+    case Component::Float:
+      return 4;
+  }
+  return 0;
+}
+
+/// The rows and columns of an element. A vector has one column.
+struct Shape {
+  std::uint32_t rows = 1, columns = 1;
+};
+[[nodiscard]] inline Shape shape_of(const Accessor& accessor) {
+  switch (accessor.type) {
+    case TINYGLTF_TYPE_MAT2:
+      return {2, 2};
+    case TINYGLTF_TYPE_MAT3:
+      return {3, 3};
+    case TINYGLTF_TYPE_MAT4:
+      return {4, 4};
+    case TINYGLTF_TYPE_SCALAR:
+      return {1, 1};
+    default:
+      return {static_cast<std::uint32_t>(accessor.type), 1};  // TINYGLTF_TYPE_VEC2 to 4 are 2 to 4
+  }
+}
+[[nodiscard]] inline bool has_shape(const Accessor& accessor, std::uint32_t rows, std::uint32_t columns = 1) {
+  const Shape shape = shape_of(accessor);
+  return shape.rows == rows && shape.columns == columns;
+}
+
+/// Columns of a matrix are aligned to four bytes.
+[[nodiscard]] inline std::uint64_t element_bytes(const Accessor& accessor) {
+  const Shape shape = shape_of(accessor);
+  const std::uint64_t column = shape.rows * bytes_of(component_of(accessor));
+  return shape.columns == 1 ? column : shape.columns * ((column + 3) / 4 * 4);
+}
+
+// Meshes and nodes.
+
+/// The roots of the default scene, which is the first one if the file does not say. It must be there.
+[[nodiscard]] inline const std::vector<int>& roots_of(const Document& document) {
+  return at(document.scenes, std::max(document.defaultScene, 0)).nodes;
+}
+
+[[nodiscard]] inline bool draws_triangles(const Primitive& primitive) {
+  return primitive.mode >= TINYGLTF_MODE_TRIANGLES && primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+/// The accessor of an attribute of a primitive or of a morph target.
+[[nodiscard]] inline Index attribute(const std::map<std::string, int>& attributes,
+                                     const std::string& semantic) {
+  const auto found = attributes.find(semantic);
+  return found == attributes.end() ? Index{} : index_of(found->second);
+}
+[[nodiscard]] inline Index attribute(const Primitive& primitive, const std::string& semantic) {
+  return attribute(primitive.attributes, semantic);
+}
+
+/// The morph targets of the primitive that has most.
+[[nodiscard]] inline std::size_t targets_of(const Mesh& mesh) {
+  std::size_t most = 0;
+  for (const Primitive& primitive : mesh.primitives) most = std::max(most, primitive.targets.size());
+  return most;
+}
+
+/// A vector of the file; `otherwise` if it is absent.
+template <class Vector>
+[[nodiscard]] Vector vector_of(const std::vector<double>& from, Vector otherwise) {
+  if (!from.empty())
+    for (int i = 0; i < Vector::length(); ++i) otherwise[i] = from[static_cast<std::size_t>(i)];
+  return otherwise;
+}
+[[nodiscard]] inline glm::dvec3 translation_of(const Node& node) {
+  return vector_of(node.translation, glm::dvec3(0.0));
+}
+[[nodiscard]] inline glm::dvec3 scale_of(const Node& node) {
+  return vector_of(node.scale, glm::dvec3(1.0));
+}
+[[nodiscard]] inline glm::dquat rotation_of(const Node& node) {
+  const auto r = vector_of(node.rotation, glm::dvec4(0, 0, 0, 1));
+  return {r.w, r.x, r.y, r.z};
+}
+[[nodiscard]] inline std::optional<glm::dmat4> matrix_of(const Node& node) {
+  if (node.matrix.empty()) return std::nullopt;
+  glm::dmat4 matrix;
+  for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = at(node.matrix, i);
+  return matrix;
+}
+
+// Extensions. Their members have the types of the table in gltf_members.cpp.
+
+/// The extension `name`; null if it is absent.
+[[nodiscard]] inline const tinygltf::Value* extension(const tinygltf::ExtensionMap& of,
+                                                      const std::string& name) {
+  const auto found = of.find(name);
+  return found == of.end() ? nullptr : &found->second;
+}
+
+/// Member `name` of a value; null if it is absent.
+[[nodiscard]] inline const tinygltf::Value* member(const tinygltf::Value& of, const std::string& name) {
+  return of.Has(name) ? &of.Get(name) : nullptr;
+}
+[[nodiscard]] inline Index index_member(const tinygltf::Value& of, const std::string& name) {
+  const auto* value = member(of, name);
+  return value ? index_of(value->GetNumberAsInt()) : Index{};
+}
+[[nodiscard]] inline std::string text_member(const tinygltf::Value& of, const std::string& name,
+                                             const std::string& otherwise = "") {
+  const auto* value = member(of, name);
+  return value ? value->Get<std::string>() : otherwise;
+}
+/// The elements of a list; none if it or `of` is absent.
+[[nodiscard]] inline const tinygltf::Value::Array& list_member(const tinygltf::Value* of,
+                                                               const std::string& name) {
+  static const tinygltf::Value::Array none;
+  const auto* value = of ? member(*of, name) : nullptr;
+  return value ? value->Get<tinygltf::Value::Array>() : none;
+}
+template <class Vector>
+[[nodiscard]] Vector vector_member(const tinygltf::Value& of, const std::string& name, Vector otherwise) {
+  if (const auto* value = member(of, name))
+    for (int i = 0; i < Vector::length(); ++i) otherwise[i] = value->Get(i).GetNumberAsDouble();
+  return otherwise;
+}
+
+/// The light of a node (KHR_lights_punctual).
+[[nodiscard]] inline Index light_of(const Node& node) {
+  const auto* light = extension(node.extensions, "KHR_lights_punctual");
+  return light ? index_member(*light, "light") : Index{};
+}
+
+/// The image of a texture: that of EXT_texture_webp, else the one that every program can read.
+[[nodiscard]] inline Index image_of(const tinygltf::Texture& texture) {
+  const auto* webp = extension(texture.extensions, "EXT_texture_webp");
+  const Index source = webp ? index_member(*webp, "source") : Index{};
+  return source ? source : index_of(texture.source);
+}
+
+// Sentences.
+
+/// "mesh 3 'chair'", or "mesh 3" without a name.
+template <class Number>
+[[nodiscard]] std::string label(std::string_view kind, Number index, std::string_view name = {}) {
+  std::string result = std::string(kind) + ' ' + std::to_string(index);
+  if (!name.empty()) result += " '" + printable(name) + "'";
+  return result;
+}
+
+[[nodiscard]] inline tl::unexpected<Error> malformed(std::string what) {
+  return fail(Fault::Malformed, std::move(what));
+}
+
+}  // namespace farshade::gltf
