@@ -1,7 +1,14 @@
 # farshade_library makes a library whose headers are compiled alone, farshade_test makes a test program,
 # farshade_headers precompiles headers that such targets share.
 
+# What a program needs that links a library of this project.
+add_library(farshade_sources INTERFACE)
+target_include_directories(farshade_sources INTERFACE ${PROJECT_SOURCE_DIR})
+
+# The options of this project's own sources. Libraries link them privately, so a program of another project that links a
+# library keeps its own.
 add_library(farshade_options INTERFACE)
+target_link_libraries(farshade_options INTERFACE farshade_sources)
 target_compile_options(farshade_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
   # Without fused multiply-add, so that a mask has the same bits on every machine.
@@ -16,7 +23,6 @@ endif()
 if(FARSHADE_NATIVE)
   target_compile_options(farshade_options INTERFACE -march=native)
 endif()
-target_include_directories(farshade_options INTERFACE ${PROJECT_SOURCE_DIR})
 
 # farshade_headers(NAME HEADERS <a> ... [DEPENDS lib ...] [OPTIONS option ...])
 # Precompiles headers of other projects. Only with FARSHADE_UNITY, so that other builds find an include that is missing.
@@ -61,7 +67,7 @@ function(farshade_library name)
     add_library(${name} STATIC)
     set(scope PUBLIC)
     target_sources(${name} PRIVATE ${ARG_SOURCES})
-    target_link_libraries(${name} PRIVATE ${ARG_PRIVATE_DEPENDS})
+    target_link_libraries(${name} PRIVATE farshade_options ${ARG_PRIVATE_DEPENDS})
     set_target_properties(${name} PROPERTIES UNITY_BUILD ${FARSHADE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
     if(ARG_COLD)
       farshade_cold(${name})
@@ -74,7 +80,7 @@ function(farshade_library name)
     set(scope INTERFACE)
   endif()
   target_sources(${name} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
-  target_link_libraries(${name} ${scope} farshade_options ${ARG_DEPENDS})
+  target_link_libraries(${name} ${scope} farshade_sources ${ARG_DEPENDS})
   set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   if(FARSHADE_UNITY AND BUILD_TESTING)
     farshade_headers_alone(${name} ${precompiled} ${ARG_HEADERS})
@@ -91,7 +97,7 @@ function(farshade_headers_alone library precompiled)
     list(APPEND sources ${source})
   endforeach()
   add_library(${library}_alone OBJECT EXCLUDE_FROM_ALL ${sources})
-  target_link_libraries(${library}_alone PRIVATE ${library})
+  target_link_libraries(${library}_alone PRIVATE farshade_options ${library})
   target_precompile_headers(${library}_alone REUSE_FROM ${precompiled})
   if(NOT TARGET headers_alone)
     add_custom_target(headers_alone)
