@@ -42,9 +42,8 @@ const LookExtension* look_of(std::string_view name) {
 Expected<void> check_extensions(const std::vector<std::string>& required) {
   for (const std::string& name : required)
     if (!is_known(name) && !look_of(name))
-      return fail(
-          Fault::Unsupported,
-          "the required extension '" + printable(name) + "' is not supported: export the file without it");
+      return fail(Fault::Unsupported, "the required extension '" + printable(name) +
+                                          "' is not supported: export the file without it");
   return {};
 }
 

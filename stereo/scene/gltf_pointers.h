@@ -5,8 +5,8 @@
 
 namespace farshade::gltf {
 
-/// Replaces the channels whose path is "pointer": a channel that points to a node becomes one of that node, and
-/// one that points to a light becomes a LightChannel. All others are removed with a warning.
+/// Replaces the channels whose path is "pointer": a channel that points to a node becomes one of that node,
+/// and one that points to a light becomes a LightChannel. All others are removed with a warning.
 void resolve_pointers(Document& document);
 
 }  // namespace farshade::gltf

@@ -9,8 +9,9 @@ int main(int count, char** arguments) {
   if (count != 2) return 2;
   const auto scene = farshade::load_scene(arguments[1]);
   if (!scene) return 1;
-  const int bytes = farshade::estimated_memory(*scene, farshade::plan_for(*scene).trace).total();  // -Wconversion
-  const int count_of_nobody = 0;                                                            // -Wunused-variable
+  const int bytes =
+      farshade::estimated_memory(*scene, farshade::plan_for(*scene).trace).total();  // -Wconversion
+  const int count_of_nobody = 0;                                                     // -Wunused-variable
   {
     const int bytes = 1;  // -Wshadow, -Wunused-variable
   }
