@@ -13,164 +13,192 @@ constexpr std::uint64_t kMaxIndex = (std::uint64_t{1} << 31) - 1;  // an int hol
 constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;   // a double holds it exactly
 constexpr double kMaxNumber = 1e30;                                // a float holds it, a double its products
 
-enum class Kind {
-  Index,
-  Length,  ///< an index above 0
-  Size,
-  LargeLength,  ///< a size above 0
-  Number,
-  NotNegative,
-  Positive,
-  Flag,
-  Text,
-  Texts,
-  Indices,
-  Numbers,
-  IndexMap,
-  Object,
-  Objects
+bool is_whole(const json& value, std::uint64_t least, std::uint64_t most) {
+  return value.is_number_unsigned() && value.get<std::uint64_t>() >= least &&
+         value.get<std::uint64_t>() <= most;
+}
+bool is_index(const json& value) {
+  return is_whole(value, 0, kMaxIndex);
+}
+bool is_text(const json& value) {
+  return value.is_string();
+}
+bool is_object(const json& value) {
+  return value.is_object();
+}
+bool is_within(const json& value, double least) {
+  return value.is_number() && value.get<double>() >= least && value.get<double>() <= kMaxNumber;
+}
+bool is_number(const json& value) {
+  return is_within(value, -kMaxNumber);
+}
+template <bool (*is_element)(const json&)>
+bool is_list_of(const json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), is_element);
+}
+template <std::size_t count>
+bool is_vector(const json& value) {
+  return value.size() == count && is_list_of<is_number>(value);
+}
+
+/// A test of a value, and what passes it in words.
+struct Type {
+  bool (*fits)(const json&);
+  const char* words;
 };
+constexpr Type kIndex{is_index, "a whole number from 0 to 2147483647"};
+constexpr Type kLength{[](const json& value) { return is_whole(value, 1, kMaxIndex); },
+                       "a whole number from 1 to 2147483647"};
+constexpr Type kSize{[](const json& value) { return is_whole(value, 0, kMaxSize); },
+                     "a whole number from 0 to 9007199254740991"};
+constexpr Type kLargeLength{[](const json& value) { return is_whole(value, 1, kMaxSize); },
+                            "a whole number from 1 to 9007199254740991"};
+constexpr Type kNumber{is_number, "a number within +-1e30"};
+constexpr Type kNotNegative{[](const json& value) { return is_within(value, 0); }, "a number from 0 to 1e30"};
+constexpr Type kPositive{
+    [](const json& value) { return is_within(value, double{std::numeric_limits<float>::min()}); },
+    "a number above 0, up to 1e30"};
+constexpr Type kFlag{[](const json& value) { return value.is_boolean(); }, "true or false"};
+constexpr Type kText{is_text, "a text"}, kTexts{is_list_of<is_text>, "a list of texts"};
+constexpr Type kIndices{is_list_of<is_index>, "a list of indices"};
+constexpr Type kNumbers{is_list_of<is_number>, "a list of numbers within +-1e30"};
+constexpr Type kVector2{is_vector<2>, "a list of 2 numbers within +-1e30"},
+    kVector3{is_vector<3>, "a list of 3 numbers within +-1e30"},
+    kVector4{is_vector<4>, "a list of 4 numbers within +-1e30"},
+    kMatrix4{is_vector<16>, "a list of 16 numbers within +-1e30"};
+constexpr Type kIndexMap{
+    [](const json& value) { return value.is_object() && std::all_of(value.begin(), value.end(), is_index); },
+    "an object whose values are indices"};
+constexpr Type kObject{is_object, "an object"}, kObjects{is_list_of<is_object>, "a list of objects"};
+
 enum class Need { Optional, Required };
 
 struct Member {
   std::string_view name;
-  Kind kind;
+  const Type* type;
   Need need = Need::Optional;
-  std::span<const Member> inner{};  ///< of Object and Objects
-  std::size_t count = 0;            ///< of Numbers; 0: any
+  std::span<const Member> inner{};  ///< of kObject and kObjects
 };
 
-constexpr Member optional(std::string_view name, Kind kind) {
-  return {name, kind};
+constexpr Member optional(std::string_view name, const Type& type) {
+  return {name, &type};
 }
-constexpr Member required(std::string_view name, Kind kind) {
-  return {name, kind, Need::Required};
+constexpr Member required(std::string_view name, const Type& type) {
+  return {name, &type, Need::Required};
 }
-constexpr Member numbers(std::string_view name, std::size_t count) {
-  return {name, Kind::Numbers, Need::Optional, {}, count};
+constexpr Member object(std::string_view name, std::span<const Member> inner, Need need = Need::Optional) {
+  return {name, &kObject, need, inner};
 }
-constexpr Member object(std::string_view name, std::span<const Member> inner) {
-  return {name, Kind::Object, Need::Optional, inner};
+constexpr Member objects(std::string_view name, std::span<const Member> inner, Need need = Need::Optional) {
+  return {name, &kObjects, need, inner};
 }
-constexpr Member required_object(std::string_view name, std::span<const Member> inner) {
-  return {name, Kind::Object, Need::Required, inner};
-}
-constexpr Member objects(std::string_view name, std::span<const Member> inner) {
-  return {name, Kind::Objects, Need::Optional, inner};
-}
-constexpr Member required_objects(std::string_view name, std::span<const Member> inner) {
-  return {name, Kind::Objects, Need::Required, inner};
-}
-constexpr Member kName = optional("name", Kind::Text);
+constexpr Member kName = optional("name", kText);
 constexpr Member kNamed[] = {kName};
 
-constexpr Member kAsset[] = {required("version", Kind::Text), optional("minVersion", Kind::Text)};
-constexpr Member kNeeds[] = {required_object("asset", kAsset), optional("extensionsUsed", Kind::Texts),
-                             optional("extensionsRequired", Kind::Texts)};
+constexpr Member kAsset[] = {required("version", kText), optional("minVersion", kText)};
+constexpr Member kNeeds[] = {object("asset", kAsset, Need::Required), optional("extensionsUsed", kTexts),
+                             optional("extensionsRequired", kTexts)};
 
-constexpr Member kFallback[] = {optional("fallback", Kind::Flag)};
+constexpr Member kFallback[] = {optional("fallback", kFlag)};
 constexpr Member kBufferExtensions[] = {object("EXT_meshopt_compression", kFallback),
                                         object("KHR_meshopt_compression", kFallback)};
-constexpr Member kBuffer[] = {required("byteLength", Kind::LargeLength), optional("uri", Kind::Text),
+constexpr Member kBuffer[] = {required("byteLength", kLargeLength), optional("uri", kText),
                               object("extensions", kBufferExtensions)};
-constexpr Member kMeshopt[] = {required("buffer", Kind::Index),      optional("byteOffset", Kind::Index),
-                               required("byteLength", Kind::Length), required("byteStride", Kind::Length),
-                               required("count", Kind::Length),      required("mode", Kind::Text),
-                               optional("filter", Kind::Text)};
+constexpr Member kMeshopt[] = {required("buffer", kIndex),      optional("byteOffset", kIndex),
+                               required("byteLength", kLength), required("byteStride", kLength),
+                               required("count", kLength),      required("mode", kText),
+                               optional("filter", kText)};
 constexpr Member kViewExtensions[] = {object("EXT_meshopt_compression", kMeshopt),
                                       object("KHR_meshopt_compression", kMeshopt)};
-constexpr Member kBufferView[] = {required("buffer", Kind::Index), optional("byteOffset", Kind::Size),
-                                  required("byteLength", Kind::LargeLength),
-                                  optional("byteStride", Kind::Size), object("extensions", kViewExtensions)};
+constexpr Member kBufferView[] = {required("buffer", kIndex), optional("byteOffset", kSize),
+                                  required("byteLength", kLargeLength), optional("byteStride", kSize),
+                                  object("extensions", kViewExtensions)};
 
-constexpr Member kSparseIndices[] = {required("bufferView", Kind::Index), optional("byteOffset", Kind::Index),
-                                     required("componentType", Kind::Index)};
-constexpr Member kSparseValues[] = {required("bufferView", Kind::Index), optional("byteOffset", Kind::Index)};
-constexpr Member kSparse[] = {required("count", Kind::Index), required_object("indices", kSparseIndices),
-                              required_object("values", kSparseValues)};
-constexpr Member kAccessor[] = {optional("bufferView", Kind::Index),
-                                optional("byteOffset", Kind::Size),
-                                required("componentType", Kind::Index),
-                                optional("normalized", Kind::Flag),
-                                required("count", Kind::LargeLength),
-                                required("type", Kind::Text),
+constexpr Member kSparseIndices[] = {required("bufferView", kIndex), optional("byteOffset", kIndex),
+                                     required("componentType", kIndex)};
+constexpr Member kSparseValues[] = {required("bufferView", kIndex), optional("byteOffset", kIndex)};
+constexpr Member kSparse[] = {required("count", kIndex), object("indices", kSparseIndices, Need::Required),
+                              object("values", kSparseValues, Need::Required)};
+constexpr Member kAccessor[] = {optional("bufferView", kIndex),    optional("byteOffset", kSize),
+                                required("componentType", kIndex), optional("normalized", kFlag),
+                                required("count", kLargeLength),   required("type", kText),
                                 object("sparse", kSparse)};
 
-constexpr Member kDraco[] = {required("bufferView", Kind::Index), required("attributes", Kind::IndexMap)};
-constexpr Member kMapping[] = {optional("variants", Kind::Indices), required("material", Kind::Index)};
+constexpr Member kDraco[] = {required("bufferView", kIndex), required("attributes", kIndexMap)};
+constexpr Member kMapping[] = {optional("variants", kIndices), required("material", kIndex)};
 constexpr Member kMappings[] = {objects("mappings", kMapping)};
 constexpr Member kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kDraco),
                                            object("KHR_materials_variants", kMappings)};
-constexpr Member kMorphTarget[] = {optional("POSITION", Kind::Index), optional("NORMAL", Kind::Index)};
+constexpr Member kMorphTarget[] = {optional("POSITION", kIndex), optional("NORMAL", kIndex)};
 constexpr Member kPrimitive[] = {
-    required("attributes", Kind::IndexMap), optional("indices", Kind::Index),
-    optional("material", Kind::Index),      optional("mode", Kind::Index),
-    objects("targets", kMorphTarget),       object("extensions", kPrimitiveExtensions)};
-constexpr Member kMesh[] = {kName, required_objects("primitives", kPrimitive),
-                            optional("weights", Kind::Numbers)};
+    required("attributes", kIndexMap), optional("indices", kIndex),
+    optional("material", kIndex),      optional("mode", kIndex),
+    objects("targets", kMorphTarget),  object("extensions", kPrimitiveExtensions)};
+constexpr Member kMesh[] = {kName, objects("primitives", kPrimitive, Need::Required),
+                            optional("weights", kNumbers)};
 
-constexpr Member kInstances[] = {optional("TRANSLATION", Kind::Index), optional("ROTATION", Kind::Index),
-                                 optional("SCALE", Kind::Index)};
-constexpr Member kInstancing[] = {required_object("attributes", kInstances)};
-constexpr Member kNodeLight[] = {required("light", Kind::Index)};
+constexpr Member kInstances[] = {optional("TRANSLATION", kIndex), optional("ROTATION", kIndex),
+                                 optional("SCALE", kIndex)};
+constexpr Member kInstancing[] = {object("attributes", kInstances, Need::Required)};
+constexpr Member kNodeLight[] = {required("light", kIndex)};
 constexpr Member kNodeExtensions[] = {object("EXT_mesh_gpu_instancing", kInstancing),
                                       object("KHR_lights_punctual", kNodeLight)};
 constexpr Member kNode[] = {kName,
-                            optional("children", Kind::Indices),
-                            optional("mesh", Kind::Index),
-                            optional("camera", Kind::Index),
-                            optional("skin", Kind::Index),
-                            optional("weights", Kind::Numbers),
-                            numbers("translation", 3),
-                            numbers("rotation", 4),
-                            numbers("scale", 3),
-                            numbers("matrix", 16),
+                            optional("children", kIndices),
+                            optional("mesh", kIndex),
+                            optional("camera", kIndex),
+                            optional("skin", kIndex),
+                            optional("weights", kNumbers),
+                            optional("translation", kVector3),
+                            optional("rotation", kVector4),
+                            optional("scale", kVector3),
+                            optional("matrix", kMatrix4),
                             object("extensions", kNodeExtensions)};
-constexpr Member kScene[] = {kName, optional("nodes", Kind::Indices)};
-constexpr Member kSkin[] = {kName, required("joints", Kind::Indices),
-                            optional("inverseBindMatrices", Kind::Index)};
+constexpr Member kScene[] = {kName, optional("nodes", kIndices)};
+constexpr Member kSkin[] = {kName, required("joints", kIndices), optional("inverseBindMatrices", kIndex)};
 
-constexpr Member kTransform[] = {numbers("offset", 2), numbers("scale", 2),
-                                 optional("rotation", Kind::Number), optional("texCoord", Kind::Index)};
+constexpr Member kTransform[] = {optional("offset", kVector2), optional("scale", kVector2),
+                                 optional("rotation", kNumber), optional("texCoord", kIndex)};
 constexpr Member kTextureInfoExtensions[] = {object("KHR_texture_transform", kTransform)};
-constexpr Member kTextureInfo[] = {required("index", Kind::Index), optional("texCoord", Kind::Index),
+constexpr Member kTextureInfo[] = {required("index", kIndex), optional("texCoord", kIndex),
                                    object("extensions", kTextureInfoExtensions)};
-constexpr Member kSurface[] = {numbers("baseColorFactor", 4), object("baseColorTexture", kTextureInfo)};
-constexpr Member kDiffuse[] = {numbers("diffuseFactor", 4), object("diffuseTexture", kTextureInfo)};
+constexpr Member kSurface[] = {optional("baseColorFactor", kVector4),
+                               object("baseColorTexture", kTextureInfo)};
+constexpr Member kDiffuse[] = {optional("diffuseFactor", kVector4), object("diffuseTexture", kTextureInfo)};
 constexpr Member kMaterialExtensions[] = {object("KHR_materials_unlit", {}),
                                           object("KHR_materials_pbrSpecularGlossiness", kDiffuse)};
 constexpr Member kMaterial[] = {kName,
-                                optional("alphaMode", Kind::Text),
-                                optional("alphaCutoff", Kind::NotNegative),
-                                optional("doubleSided", Kind::Flag),
+                                optional("alphaMode", kText),
+                                optional("alphaCutoff", kNotNegative),
+                                optional("doubleSided", kFlag),
                                 object("pbrMetallicRoughness", kSurface),
                                 object("extensions", kMaterialExtensions)};
-constexpr Member kImage[] = {kName, optional("uri", Kind::Text), optional("bufferView", Kind::Index)};
-constexpr Member kWebp[] = {optional("source", Kind::Index)};
+constexpr Member kImage[] = {kName, optional("uri", kText), optional("bufferView", kIndex)};
+constexpr Member kWebp[] = {optional("source", kIndex)};
 constexpr Member kTextureExtensions[] = {object("EXT_texture_webp", kWebp)};
-constexpr Member kTexture[] = {kName, optional("source", Kind::Index), optional("sampler", Kind::Index),
+constexpr Member kTexture[] = {kName, optional("source", kIndex), optional("sampler", kIndex),
                                object("extensions", kTextureExtensions)};
-constexpr Member kSampler[] = {optional("wrapS", Kind::Index), optional("wrapT", Kind::Index)};
+constexpr Member kSampler[] = {optional("wrapS", kIndex), optional("wrapT", kIndex)};
 
-constexpr Member kPointer[] = {optional("pointer", Kind::Text)};
+constexpr Member kPointer[] = {optional("pointer", kText)};
 constexpr Member kTargetExtensions[] = {object("KHR_animation_pointer", kPointer)};
-constexpr Member kTarget[] = {optional("node", Kind::Index), required("path", Kind::Text),
+constexpr Member kTarget[] = {optional("node", kIndex), required("path", kText),
                               object("extensions", kTargetExtensions)};
-constexpr Member kChannel[] = {required("sampler", Kind::Index), required_object("target", kTarget)};
-constexpr Member kAnimationSampler[] = {required("input", Kind::Index), required("output", Kind::Index),
-                                        optional("interpolation", Kind::Text)};
-constexpr Member kAnimation[] = {kName, required_objects("channels", kChannel),
-                                 required_objects("samplers", kAnimationSampler)};
+constexpr Member kChannel[] = {required("sampler", kIndex), object("target", kTarget, Need::Required)};
+constexpr Member kAnimationSampler[] = {required("input", kIndex), required("output", kIndex),
+                                        optional("interpolation", kText)};
+constexpr Member kAnimation[] = {kName, objects("channels", kChannel, Need::Required),
+                                 objects("samplers", kAnimationSampler, Need::Required)};
 
-constexpr Member kSpot[] = {optional("innerConeAngle", Kind::NotNegative),
-                            optional("outerConeAngle", Kind::NotNegative)};
+constexpr Member kSpot[] = {optional("innerConeAngle", kNotNegative),
+                            optional("outerConeAngle", kNotNegative)};
 constexpr Member kLight[] = {kName,
-                             required("type", Kind::Text),
-                             numbers("color", 3),
-                             optional("intensity", Kind::NotNegative),
-                             optional("range", Kind::Positive),
+                             required("type", kText),
+                             optional("color", kVector3),
+                             optional("intensity", kNotNegative),
+                             optional("range", kPositive),
                              object("spot", kSpot)};
-constexpr Member kLights[] = {required_objects("lights", kLight)};
+constexpr Member kLights[] = {objects("lights", kLight, Need::Required)};
 constexpr Member kVariants[] = {objects("variants", kNamed)};
 constexpr Member kRootExtensions[] = {object("KHR_lights_punctual", kLights),
                                       object("KHR_materials_variants", kVariants)};
@@ -189,104 +217,8 @@ constexpr Member kRoot[] = {kNeeds[0],
                             object("extensions", kRootExtensions),
                             objects("animations", kAnimation),
                             objects("scenes", kScene),
-                            optional("scene", Kind::Index),
+                            optional("scene", kIndex),
                             objects("cameras", kNamed)};
-
-bool is_whole(const json& value, std::uint64_t least, std::uint64_t most) {
-  return value.is_number_unsigned() && value.get<std::uint64_t>() >= least &&
-         value.get<std::uint64_t>() <= most;
-}
-
-bool is_index(const json& value) {
-  return is_whole(value, 0, kMaxIndex);
-}
-
-bool is_number(const json& value, double least) {
-  return value.is_number() && value.get<double>() >= least && value.get<double>() <= kMaxNumber;
-}
-
-template <class Test>
-bool is_list_of(const json& value, Test test) {
-  return value.is_array() && std::all_of(value.begin(), value.end(), test);
-}
-
-bool fits(const json& value, const Member& member) {
-  switch (member.kind) {
-    case Kind::Index:
-      return is_index(value);
-    case Kind::Length:
-      return is_whole(value, 1, kMaxIndex);
-    case Kind::Size:
-      return is_whole(value, 0, kMaxSize);
-    case Kind::LargeLength:
-      return is_whole(value, 1, kMaxSize);
-    case Kind::Number:
-      return is_number(value, -kMaxNumber);
-    case Kind::NotNegative:
-      return is_number(value, 0.0);
-    case Kind::Positive:
-      return is_number(value, std::numeric_limits<float>::min());
-    case Kind::Flag:
-      return value.is_boolean();
-    case Kind::Text:
-      return value.is_string();
-    case Kind::Texts:
-      return is_list_of(value, [](const json& v) { return v.is_string(); });
-    case Kind::Indices:
-      return is_list_of(value, is_index);
-    case Kind::Numbers:
-      return (member.count == 0 || value.size() == member.count) &&
-             is_list_of(value, [](const json& v) { return is_number(v, -kMaxNumber); });
-    case Kind::IndexMap:
-      return value.is_object() && std::all_of(value.begin(), value.end(), is_index);
-    case Kind::Object:
-      return value.is_object();
-    case Kind::Objects:
-      return is_list_of(value, [](const json& v) { return v.is_object(); });
-  }
-  return false;
-}
-
-std::string whole_number(std::uint64_t least, std::uint64_t most) {
-  return "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
-}
-
-std::string expected(const Member& member) {
-  switch (member.kind) {
-    case Kind::Index:
-      return whole_number(0, kMaxIndex);
-    case Kind::Length:
-      return whole_number(1, kMaxIndex);
-    case Kind::Size:
-      return whole_number(0, kMaxSize);
-    case Kind::LargeLength:
-      return whole_number(1, kMaxSize);
-    case Kind::Number:
-      return "a number within +-1e30";
-    case Kind::NotNegative:
-      return "a number from 0 to 1e30";
-    case Kind::Positive:
-      return "a number above 0, up to 1e30";
-    case Kind::Flag:
-      return "true or false";
-    case Kind::Text:
-      return "a text";
-    case Kind::Texts:
-      return "a list of texts";
-    case Kind::Indices:
-      return "a list of indices";
-    case Kind::Numbers:
-      return "a list of " + (member.count ? std::to_string(member.count) + " " : "") +
-             "numbers within +-1e30";
-    case Kind::IndexMap:
-      return "an object whose values are indices";
-    case Kind::Object:
-      return "an object";
-    case Kind::Objects:
-      return "a list of objects";
-  }
-  return "";
-}
 
 /// Where a value is. It becomes a text only if the value is refused.
 struct Place {
@@ -310,22 +242,25 @@ Checked check_object(const json& object, std::span<const Member> members, const 
       if (member.need == Need::Required) return malformed(here.text() + " is missing");
       continue;
     }
-    if (!fits(*found, member)) return malformed(here.text() + " should be " + expected(member));
-    if (member.kind == Kind::Object)
+    if (!member.type->fits(*found)) return malformed(here.text() + " should be " + member.type->words);
+    if (member.type == &kObject)
       if (auto checked = check_object(*found, member.inner, here); !checked) return checked;
-    if (member.kind != Kind::Objects) continue;
+    if (member.type != &kObjects) continue;
     for (std::size_t i = 0; i < found->size(); ++i)
       if (auto checked = check_object((*found)[i], member.inner, {&here, {}, i}); !checked) return checked;
   }
   return {};
 }
 
-bool is_fraction(Kind kind) {
-  return kind == Kind::Number || kind == Kind::NotNegative || kind == Kind::Positive;
+/// tinygltf stores whole numbers of extensions in 32 bits, so numbers that may be fractions become
+/// floating-point numbers.
+void make_fractions(const Type& type, json& value) {
+  if (&type == &kNumber || &type == &kNotNegative || &type == &kPositive) value = value.get<double>();
+  if (value.is_array() && type.fits != kIndices.fits)
+    for (json& element : value)
+      if (element.is_number()) element = element.get<double>();
 }
 
-/// Also makes numbers that may be fractions floating-point numbers: tinygltf stores whole ones of extensions
-/// in 32 bits.
 void remove_others(json& object, std::span<const Member> members) {
   for (auto item = object.begin(); item != object.end();) {
     const auto known = std::ranges::find(members, std::string_view(item.key()), &Member::name);
@@ -333,11 +268,9 @@ void remove_others(json& object, std::span<const Member> members) {
       item = object.erase(item);
       continue;
     }
-    if (is_fraction(known->kind)) *item = item->get<double>();
-    if (known->kind == Kind::Numbers)
-      for (json& number : *item) number = number.get<double>();
-    if (known->kind == Kind::Object) remove_others(*item, known->inner);
-    if (known->kind == Kind::Objects)
+    make_fractions(*known->type, *item);
+    if (known->type == &kObject) remove_others(*item, known->inner);
+    if (known->type == &kObjects)
       for (json& element : *item) remove_others(element, known->inner);
     ++item;
   }
