@@ -25,8 +25,7 @@ class Masks final : public AnswerMaker {
     const bool is_whole = job.request.answer.slices == 0;
     if (!is_whole) unpack(job.parts);
     const TraceStats traced = tracer_.trace(request_, frame_, job.is_given_up);
-    if (request_.answer.coding == Coding::Lz4)
-      return {.traced = traced, .coding = add_block(packer)};
+    if (request_.answer.coding == Coding::Lz4) return {.traced = traced, .coding = add_block(packer)};
     if (is_whole)
       packer.add(frame_);
     else

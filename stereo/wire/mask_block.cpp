@@ -11,43 +11,39 @@ namespace {
 
 constexpr std::size_t kRevision_bytes = 4;
 
-/// The bytes of a mask's words in the fewest bytes that hold its lights, whatever the layout in memory is.
 std::size_t content_bytes(const EyeMask& mask) {
-  const MaskLayout layout{mask.lights()};
-  return mask.size().pixels() * layout.planes() * layout.word_bytes();
+  return (mask.size().pixels() * mask.lights() + 7) / 8;
 }
 
-/// Calls `visit(x, y, plane)` for each word in the order of the content, as long as it returns true.
-bool each_word(const EyeMask& mask, const auto& visit) {
-  for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+/// Calls `visit(bit, x, y, light)` for each bit of the content. Returns the number of bits.
+std::size_t each_bit(const EyeMask& mask, const auto& visit) {
+  std::size_t bit = 0;
+  for (std::uint32_t light = 0; light < mask.lights(); ++light)
     for (std::uint32_t y = 0; y < mask.size().height; ++y)
-      for (std::uint32_t x = 0; x < mask.size().width; ++x)
-        if (!visit(x, y, plane)) return false;
-  return true;
+      for (std::uint32_t x = 0; x < mask.size().width; ++x) visit(bit++, x, y, light);
+  return bit;
 }
 
 void write(const EyeMask& mask, std::vector<std::byte>& content) {
-  const std::uint32_t word_bytes = MaskLayout{mask.lights()}.word_bytes();
-  each_word(mask, [&](std::uint32_t x, std::uint32_t y, std::uint32_t plane) {
-    const std::uint32_t word = mask.word(x, y, plane);
-    for (std::uint32_t i = 0; i < word_bytes; ++i)
-      content.push_back(static_cast<std::byte>(word >> 8 * i & 0xff));
-    return true;
+  const std::size_t first = content.size();
+  content.resize(first + content_bytes(mask));
+  each_bit(mask, [&](std::size_t bit, std::uint32_t x, std::uint32_t y, std::uint32_t light) {
+    if (mask.lit(x, y, light)) content[first + bit / 8] |= std::byte{1} << bit % 8;
   });
 }
 
-/// Reads what write() wrote for such a mask. False if a bit of a light is set that does not exist.
+/// Adds the bits that write() wrote to a mask without any. False if a bit after the last one is set.
 bool read(std::span<const std::byte> content, EyeMask& mask) {
-  const MaskLayout layout = mask.layout();
-  const std::uint32_t word_bytes = MaskLayout{mask.lights()}.word_bytes();
-  return each_word(mask, [&](std::uint32_t x, std::uint32_t y, std::uint32_t plane) {
-    std::uint32_t word = 0;
-    for (std::uint32_t i = 0; i < word_bytes; ++i) word |= std::to_integer<std::uint32_t>(content[i]) << 8 * i;
-    if ((word & ~layout.used_bits(plane)) != 0) return false;
-    mask.set_word(x, y, plane, word);
-    content = content.subspan(word_bytes);
-    return true;
-  });
+  const auto is_set = [&](std::size_t bit) {
+    return (content[bit / 8] >> bit % 8 & std::byte{1}) != std::byte{0};
+  };
+  std::size_t end =
+      each_bit(mask, [&](std::size_t bit, std::uint32_t x, std::uint32_t y, std::uint32_t light) {
+        if (is_set(bit)) mask.set_word(x, y, light / 32, mask.word(x, y, light / 32) | 1u << light % 32);
+      });
+  while (end < 8 * content.size())
+    if (is_set(end++)) return false;
+  return true;
 }
 
 }  // namespace
@@ -72,11 +68,12 @@ Decoded<void> decode_mask_block(std::span<const std::byte> bytes, LightSetRevisi
   const std::size_t left_bytes = content_bytes(masks[0]);
   std::vector<std::byte> content(left_bytes + content_bytes(masks[1]));
   if (!open_whole_block(bytes.subspan(kRevision_bytes), content)) return refuse(WireRefusal::Block);
-  PerEye<EyeMask> read_masks = masks;
-  const bool fine = read(std::span(content).first(left_bytes), read_masks[0]) &&
-                    read(std::span(content).subspan(left_bytes), read_masks[1]);
-  if (!fine) return refuse(WireRefusal::TileBits);
-  masks = std::move(read_masks);
+  PerEye<EyeMask> opened{EyeMask(masks[0].size(), masks[0].layout()),
+                         EyeMask(masks[1].size(), masks[1].layout())};
+  if (!read(std::span(content).first(left_bytes), opened[0]) ||
+      !read(std::span(content).subspan(left_bytes), opened[1]))
+    return refuse(WireRefusal::TileBits);
+  masks = std::move(opened);
   return {};
 }
 

@@ -14,14 +14,14 @@ namespace farshade {
 
 inline constexpr std::size_t kMostMaskBlock_bytes = kMostVideoParts * kVideoPart_bytes;
 
-/// The light set's revision, then the block. Its content are the words of the left eye's mask, then of the
-/// right eye's: plane by plane, little-endian, in the fewest bytes that hold the lights (MaskLayout). Empty if
-/// that is more than kMostMaskBlock_bytes.
+/// The light set's revision, then the block. Its content are the bits of the left eye's mask, then those of
+/// the right eye's, each from a byte of its own on: light by light, row by row. Empty if that is more than
+/// kMostMaskBlock_bytes.
 [[nodiscard]] std::vector<std::byte> pack_mask_block(const ShadowFrame& frame);
 
-/// Replaces the words of `masks`, which have the size and the lights that were asked for. Refuses bytes of
-/// another light set than `expected`, and all but an LZ4 block with exactly the content of such masks. After a
-/// refusal, `masks` are unchanged.
+/// Replaces the bits of `masks`, which have the size and the lights that were asked for. Refuses bytes of
+/// another light set than `expected`, and all but an LZ4 block with exactly the content of such masks. After
+/// a refusal, `masks` are unchanged.
 [[nodiscard]] Decoded<void> decode_mask_block(std::span<const std::byte> bytes, LightSetRevision expected,
                                               PerEye<EyeMask>& masks);
 

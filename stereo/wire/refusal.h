@@ -28,7 +28,7 @@ enum class WireRefusal : std::uint8_t {
   Block,           ///< not an LZ4 block, other content than expected, or a range-coded block with another end
   TileCoding,      ///< a tile coding that this version does not know
   TileLength,      ///< more or fewer bytes than the tiles need
-  TileBits,        ///< a bit of a light that does not exist is set
+  TileBits,        ///< a bit of a light or pixel that does not exist is set
   Arrivals,        ///< an arrival report is too long, or its counter too large
   Padding,         ///< a Hello has another length, or padding other than zeros
   UnknownSession,  ///< a Sealed of a session that does not exist

@@ -62,9 +62,8 @@ std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> 
 
 std::size_t pack_block(std::span<const std::byte> bytes, std::span<std::byte> block) {
   if (bytes.size() > LZ4_MAX_INPUT_SIZE) return 0;
-  return static_cast<std::size_t>(LZ4_compress_default(chars(bytes.data()), chars(block.data()),
-                                                       static_cast<int>(bytes.size()),
-                                                       narrow<int>(block.size())));
+  return static_cast<std::size_t>(LZ4_compress_default(
+      chars(bytes.data()), chars(block.data()), static_cast<int>(bytes.size()), narrow<int>(block.size())));
 }
 
 bool open_whole_block(std::span<const std::byte> block, std::span<std::byte> opened) {
