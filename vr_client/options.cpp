@@ -279,7 +279,7 @@ constexpr std::array kNotInReplay{
     "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
     "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
     "--reprojection", "--eyes",      "--gaps",          "--edges",       "--xr",        "--xr-scale",
-    "--record-head"};
+    "--record-head",  "--mask-code"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",

@@ -51,6 +51,34 @@ INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,
                                          Case{"local", 15}, Case{"full", 50}),
                          mode_name);
 
+/// The code changes the bytes and nothing else.
+TEST(ClientModes, BlocksOfMasksShowTheSamePicturesAsSlices) {
+  RunningServer server;
+  const ScratchFolder range, lz4;
+  std::vector<std::vector<double>> rows;
+  for (const auto& [code, folder] : {std::pair("range", &range), std::pair("lz4", &lz4)}) {
+    // Without reprojection there is no surround, which blocks go without.
+    const Ended run = run_client({{"--server", server.address()},
+                                  {"--mask-code", code},
+                                  {"--ask", "whole"},
+                                  {"--reprojection", "off"},
+                                  {"--delay", "20"},
+                                  {"--out", folder->path().string()}});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    rows.push_back(summary_row(folder->path(), "left eye", "PSNR"));
+    rows.push_back(summary_row(folder->path(), "wire", "bytes of an answer"));
+  }
+  EXPECT_EQ(rows[0], rows[2]);
+  EXPECT_LT(rows[1][0], rows[3][0]) << "LZ4 of bitmaps has more bytes";
+  std::size_t pictures = 0;
+  for (const auto& file : std::filesystem::directory_iterator(range.path()))
+    if (file.path().extension() == ".png") {
+      ++pictures;
+      EXPECT_EQ(read_file(file.path()), read_file(lz4.path() / file.path().filename())) << file.path();
+    }
+  EXPECT_GT(pictures, 2u);
+}
+
 TEST(ClientModes, RefusesToCaptureOtherModes) {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "remote"},
