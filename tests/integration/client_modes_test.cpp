@@ -1,6 +1,7 @@
 // Runs every mode with the real programs over UDP. A command line works, or the program says why it does not.
 #include <gtest/gtest.h>
 
+#include "stereo/base/files.h"
 #include "stereo/video/video.h"
 #include "tests/integration/client_program.h"
 #include "tests/unit/scratch_folder.h"
@@ -74,7 +75,8 @@ TEST(ClientModes, BlocksOfMasksShowTheSamePicturesAsSlices) {
   for (const auto& file : std::filesystem::directory_iterator(range.path()))
     if (file.path().extension() == ".png") {
       ++pictures;
-      EXPECT_EQ(read_file(file.path()), read_file(lz4.path() / file.path().filename())) << file.path();
+      const auto same = read_file(lz4.path() / file.path().filename());
+      EXPECT_TRUE(read_file(file.path()).value() == same.value()) << file.path();
     }
   EXPECT_GT(pictures, 2u);
 }
