@@ -127,6 +127,10 @@ void add_mode_options(CLI::App& app, CommandLine& line) {
   add_words(app, "--mode", mode.mode, modes(),
             "how client and server share the work (docs/modes.md): hybrid shades with masks from the "
             "server, full traces everything in the client");
+  add_words<MaskCode>(
+      app, "--mask-code", mode.mask_code, {{"range", MaskCode::Range}, {"lz4", MaskCode::Lz4}},
+      "hybrid: how the server codes masks: range: parts that each decode alone; lz4: one LZ4 block of whole "
+      "views, of which all must arrive, without a surround, as a baseline to compare with");
   app.add_option("--bitrate", line.video_megabits, "remote, delta: bit rate of the server's video, Mbit/s")
       ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
       ->capture_default_str();
@@ -275,7 +279,7 @@ constexpr std::array kNotInReplay{
     "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
     "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
     "--reprojection", "--eyes",      "--gaps",          "--edges",       "--xr",        "--xr-scale",
-    "--record-head"};
+    "--record-head",  "--mask-code"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",
@@ -295,6 +299,19 @@ void check_headset(const CLI::App& app, Options& options) {
   if (app.count("--reference-every") == 0) options.reference_every = 0;
   if (!options.frames && options.reference_every > 0)
     throw CLI::ValidationError("--frames", "figures of a session need its number of frames");
+}
+
+/// Throws a CLI::ParseError if an option does not go with --mask-code lz4.
+void check_mask_code(const CLI::App& app, Options& options) {
+  if (options.mode.mask_code == MaskCode::Range) return;
+  const auto refuse = [](const char* option, const std::string& why) {
+    throw CLI::ValidationError(option, "--mask-code lz4 " + why);
+  };
+  if (options.mode.mode != Mode::Hybrid) refuse("--mask-code", "is for mode hybrid");
+  if (!options.record.empty()) refuse("--record", "cannot be captured: captures hold range coded masks");
+  if (app.count("--ask") > 0 && options.request.asks == Asks::Unknown)
+    refuse("--ask", "asks for whole masks: omit --ask unknown");
+  options.request.asks = Asks::Whole;
 }
 
 /// Throws a CLI::ParseError if one of these options is given.
@@ -327,6 +344,7 @@ Options checked(CommandLine line, const CLI::App& app) {
   options.size = *size;
   options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(line.video_megabits * 1e6));
   if (line.validate) options.device.validation = gpu::Validation::On;
+  check_mask_code(app, options);
   const std::string mode(name_of(options.mode.mode));
   if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
     throw CLI::ValidationError("--dump",

@@ -2,11 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include <stdexcept>
+
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/device_recovery.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/video/video.h"
 #include "stereo/wire/ask_coder.h"
+#include "stereo/wire/mask_block.h"
 
 namespace farshade {
 namespace {
@@ -22,6 +25,7 @@ class Masks final : public AnswerMaker {
     const bool is_whole = job.request.answer.slices == 0;
     if (!is_whole) unpack(job.parts);
     const TraceStats traced = tracer_.trace(request_, frame_, job.is_given_up);
+    if (request_.answer.coding == Coding::Lz4) return {.traced = traced, .coding = add_block(packer)};
     if (is_whole)
       packer.add(frame_);
     else
@@ -30,6 +34,15 @@ class Masks final : public AnswerMaker {
   }
 
  private:
+  /// Adds both masks as one block.
+  Duration add_block(FramePacker& packer) const {
+    const Stopwatch coding;
+    const std::vector<std::byte> block = pack_mask_block(frame_);
+    if (block.empty()) throw std::runtime_error("masks are too large to send as one LZ4 block");
+    packer.add(request_.frame, request_.frame, full_parts(block));
+    return coding.elapsed();
+  }
+
   void unpack(std::span<const std::vector<std::byte>> messages) {
     request_.asked.lights = tracer_.layout().lights;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {

@@ -36,7 +36,9 @@ inline constexpr std::size_t kDrawnPixel_bytes = 64;
 /// positions, the renderer, and as much for the picture that is read back and coded.
 [[nodiscard]] inline std::size_t answer_bytes(const FrameRequest& request, std::uint32_t lights) {
   constexpr std::size_t kPositions_bytes = 12;  // of a pixel
-  std::size_t per_pixel = 2 * ((std::size_t{lights} + 7) / 8);
+  // An LZ4 block takes a copy of the masks, too, and its own bytes.
+  const std::size_t copies = request.answer.coding == Coding::Lz4 ? 4 : 2;
+  std::size_t per_pixel = copies * ((std::size_t{lights} + 7) / 8);
   if (request.answer.kind == Answer::MasksOfPositions) per_pixel += kPositions_bytes;
   if (is_drawn(request.answer.kind)) per_pixel += 2 * kDrawnPixel_bytes;
   return (request.views[0].size.pixels() + request.views[1].size.pixels()) * per_pixel;

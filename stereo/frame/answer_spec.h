@@ -41,10 +41,11 @@ inline constexpr AnswerSet kDrawnAnswers =
 }
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 
-/// Whether the encoder may predict a picture from the one before it.
+/// How an answer is coded.
 enum class Coding : std::uint8_t {
-  AfterLast,
-  Alone,  ///< it must not: the decoder lacks the picture before
+  AfterLast,  ///< the encoder may predict a picture from the one before it. Masks are range coded (slice.h)
+  Alone,      ///< it must not: the decoder lacks the picture before
+  Lz4,        ///< Masks of whole views are one LZ4 block (mask_block.h)
 };
 
 inline constexpr std::uint32_t kLeastVideo_bits = 100'000, kMostVideo_bits = 1'000'000'000;  ///< a second

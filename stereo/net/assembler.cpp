@@ -4,6 +4,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/wire/mask_block.h"
 
 namespace farshade {
 namespace {
@@ -62,6 +63,18 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
     frame.tiles_known[eye] = 0;
     frame.tiles_asked[eye] = AskedTiles(size, layout.lights, asked_of(frame.request, eye)).count();
   }
+}
+
+/// Of a block of masks all parts have come: all tiles are known.
+Decoded<void> open_masks(RequestRecord& frame) {
+  const Decoded<void> opened = decode_mask_block(frame.video.unit, frame.light_set_revision, frame.masks);
+  if (!opened) return opened;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const MaskLayout layout = frame.masks[eye].layout();
+    std::ranges::fill(frame.known_tiles[eye], all_planes_known(layout));
+    frame.tiles_known[eye] = frame.tiles_asked[eye] * layout.planes();
+  }
+  return {};
 }
 
 }  // namespace
@@ -169,6 +182,8 @@ const RequestRecord* Assembler::accept(const Slice& slice, Time arrived) {
     return nullptr;
   }
   const std::size_t eye = index_of(slice.eye);
+  if (frame->request.answer.coding == Coding::Lz4)
+    return count(*frame, refuse(WireRefusal::AnswerSpec), frame->tiles_known[eye], arrived);
   const std::span<const AskedTile> asked = asked_of(frame->request, eye);
   return count(*frame, decode_slice_tiles(slice, asked, frame->masks[eye], frame->known_tiles[eye]),
                frame->tiles_known[eye], arrived);
@@ -193,7 +208,8 @@ const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
   if (frame == nullptr) return nullptr;
   ReceivedVideo& video = frame->video;
   const auto take = [&]() -> Decoded<std::uint32_t> {
-    if (!is_video(frame->request.answer.kind)) return refuse(WireRefusal::AnswerSpec);
+    const bool of_masks = frame->request.answer.coding == Coding::Lz4;
+    if (!of_masks && !is_video(frame->request.answer.kind)) return refuse(WireRefusal::AnswerSpec);
     if (video.known.empty()) {
       video.after = part.after;
       video.known.assign(part.parts, false);
@@ -205,6 +221,8 @@ const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
     const std::size_t at = part.part * kVideoPart_bytes;
     std::ranges::copy(part.bytes, video.unit.begin() + static_cast<std::ptrdiff_t>(at));
     if (part.part + 1 == part.parts) video.unit.resize(at + part.bytes.size());
+    if (of_masks && video.parts_known + 1 == part.parts)
+      if (const Decoded<void> opened = open_masks(*frame); !opened) return refuse(opened.error());
     return 1u;
   };
   return count(*frame, take(), video.parts_known, arrived);

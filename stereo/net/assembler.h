@@ -24,8 +24,8 @@ struct ReceivedGBuffer {
   std::uint32_t tiles_known = 0, tiles = 0;  ///< counted over all planes of both eyes
 };
 
-/// The parts of a coded picture. Zeros replace parts that have not come. Between NAL units they mean nothing,
-/// so a decoder reads the other parts (stereo/net/video_parts.h).
+/// The parts of a coded picture, or of a block of masks. Zeros replace parts that have not come. Between NAL
+/// units they mean nothing, so a decoder reads the other parts (stereo/net/video_parts.h).
 struct ReceivedVideo {
   FrameId after;                ///< from the parts
   std::vector<std::byte> unit;  ///< the parts in order; empty until the first has come
@@ -64,7 +64,11 @@ struct RequestRecord {
     return tiles_known[eye] == tiles_asked[eye] * masks[eye].layout().planes();
   }
   [[nodiscard]] bool complete() const;
-  [[nodiscard]] bool anything_known() const { return pieces_known() > 0; }
+  /// Parts of a block of masks are of no use before all have come.
+  [[nodiscard]] bool anything_known() const {
+    const std::uint32_t useless = request.answer.coding == Coding::Lz4 ? video.parts_known : 0;
+    return pieces_known() > useless;
+  }
   /// Number of known tiles and parts.
   [[nodiscard]] std::uint32_t pieces_known() const {
     return tiles_known[0] + tiles_known[1] + gbuffer.tiles_known + video.parts_known;

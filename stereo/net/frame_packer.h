@@ -25,8 +25,8 @@ class FramePacker {
   void add(const ShadowFrame& frame, const AskedBlocks& asked = {},
            const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
-  /// Adds a coded picture of 1 to kMostVideoParts parts. It depends on the picture of `after`; if that is
-  /// `frame`, it depends on none.
+  /// Adds a coded picture or a block of masks of 1 to kMostVideoParts parts. It depends on the picture of
+  /// `after`; if that is `frame`, it depends on none.
   void add(FrameId frame, FrameId after, const VideoUnitParts& parts);
 
   /// Hands over the messages in the order in which to send them, `report` last, and keeps none. Sets the

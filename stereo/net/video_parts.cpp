@@ -32,4 +32,11 @@ VideoUnitParts video_parts(std::span<const std::byte> unit) {
   return parts;
 }
 
+VideoUnitParts full_parts(std::span<const std::byte> bytes) {
+  VideoUnitParts parts;
+  for (; !bytes.empty(); bytes = bytes.subspan(parts.back().size()))
+    parts.push_back(bytes.first(std::min(bytes.size(), kVideoPart_bytes)));
+  return parts;
+}
+
 }  // namespace farshade

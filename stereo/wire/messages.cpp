@@ -171,18 +171,20 @@ Verdict verdict(const ArrivalReport& report) {
 /// Fields that an answer does not use must be 0.
 Verdict verdict(const AnswerSpec& spec) {
   if (static_cast<std::uint8_t>(spec.kind) >= kAnswers) return WireRefusal::Code;
-  if (spec.coding != Coding::AfterLast && spec.coding != Coding::Alone) return WireRefusal::Code;
+  if (spec.coding > Coding::Lz4) return WireRefusal::Code;
   const bool video = is_video(spec.kind), positions = spec.kind == Answer::MasksOfPositions;
+  const bool coding = spec.coding == Coding::Lz4 ? spec.kind == Answer::Masks && spec.slices == 0
+                                                 : video || spec.coding == Coding::AfterLast;
   const bool rate = video
                         ? spec.bits_per_second >= kLeastVideo_bits && spec.bits_per_second <= kMostVideo_bits
-                        : spec.bits_per_second == 0 && spec.coding == Coding::AfterLast;
+                        : spec.bits_per_second == 0;
   const bool interval = video ? spec.interval > Duration::zero() && spec.interval <= kMostPictureInterval
                               : spec.interval == Duration::zero();
   const bool grid =
       positions ? spec.position_bits >= kLeastPosition_bits && spec.position_bits <= kMostPosition_bits
                 : spec.position_bits == 0;
   const bool slices = positions || spec.kind == Answer::Masks || spec.slices == 0;
-  return rate && interval && grid && slices ? kFine : WireRefusal::AnswerSpec;
+  return coding && rate && interval && grid && slices ? kFine : WireRefusal::AnswerSpec;
 }
 
 Verdict verdict(const RequestMessage& message) {

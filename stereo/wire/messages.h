@@ -24,7 +24,7 @@
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 9;
+inline constexpr std::uint16_t kProtocolVersion = 10;
 /// UDP payload, sealing included: what every path must carry (as for QUIC, RFC 9000, 14), and the most that a
 /// client sends.
 inline constexpr std::size_t kBaseDatagram_bytes = 1200;
@@ -136,8 +136,8 @@ struct Slice {
   std::span<const std::byte> block{};  ///< coded tiles; points into the received message or the packer
 };
 
-/// A part of a coded picture of both eyes. All parts but the last have kVideoPart_bytes; zeros at their end
-/// fill them up.
+/// A part of a coded picture of both eyes, or of a block of masks (mask_block.h). All parts but the last have
+/// kVideoPart_bytes; zeros at their end fill up those of a picture.
 struct VideoPart {
   FrameId frame{};
   FrameId after{};                     ///< the frame whose picture it depends on; `frame` itself: none

@@ -25,10 +25,10 @@ enum class WireRefusal : std::uint8_t {
   MaskSize,        ///< a side of 0 or more than kMaxViewSide_px
   TileRange,       ///< no tiles, or tiles outside the grid
   TrailingBytes,   ///< bytes after the last field
-  Block,           ///< not an LZ4 block, too much content, or a range-coded block with another end
+  Block,           ///< not an LZ4 block, other content than expected, or a range-coded block with another end
   TileCoding,      ///< a tile coding that this version does not know
   TileLength,      ///< more or fewer bytes than the tiles need
-  TileBits,        ///< a bit of a light that does not exist is set
+  TileBits,        ///< a bit of a light or pixel that does not exist is set
   Arrivals,        ///< an arrival report is too long, or its counter too large
   Padding,         ///< a Hello has another length, or padding other than zeros
   UnknownSession,  ///< a Sealed of a session that does not exist
@@ -37,7 +37,7 @@ enum class WireRefusal : std::uint8_t {
   Forged,          ///< the tag is wrong: forged, damaged, or sealed with another key
   AnswerSpec,      ///< fields that do not fit the kind of answer, or are out of range
   Part,            ///< a VideoPart with a wrong index, number or length
-  OtherMask,       ///< a valid slice, but of a mask with another size or light count
+  OtherMask,       ///< a valid slice or block of masks, but of another size, light count or light set
 };
 inline constexpr std::size_t kWireRefusals = 26;
 

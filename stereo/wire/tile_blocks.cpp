@@ -60,4 +60,17 @@ std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> 
   return std::span(opened).first(static_cast<std::size_t>(size));
 }
 
+std::size_t pack_block(std::span<const std::byte> bytes, std::span<std::byte> block) {
+  if (bytes.size() > LZ4_MAX_INPUT_SIZE) return 0;
+  return static_cast<std::size_t>(LZ4_compress_default(
+      chars(bytes.data()), chars(block.data()), static_cast<int>(bytes.size()), narrow<int>(block.size())));
+}
+
+bool open_whole_block(std::span<const std::byte> block, std::span<std::byte> opened) {
+  if (opened.size() > LZ4_MAX_INPUT_SIZE) return false;
+  const int size = LZ4_decompress_safe(chars(block.data()), chars(opened.data()), narrow<int>(block.size()),
+                                       static_cast<int>(opened.size()));
+  return size >= 0 && static_cast<std::size_t>(size) == opened.size();
+}
+
 }  // namespace farshade

@@ -59,4 +59,10 @@ using OpenedBlock = std::array<std::byte, kMaxOpened_bytes>;
 [[nodiscard]] std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> block,
                                                                    OpenedBlock& opened);
 
+/// Compresses `bytes` to one LZ4 block at the start of `block`. Returns its length; 0 if it does not fit, or
+/// if LZ4 cannot have so much content (2 GB).
+[[nodiscard]] std::size_t pack_block(std::span<const std::byte> bytes, std::span<std::byte> block);
+/// Decompresses `block` into all of `opened`. False if it is not an LZ4 block, or has less or more content.
+[[nodiscard]] bool open_whole_block(std::span<const std::byte> block, std::span<std::byte> opened);
+
 }  // namespace farshade

@@ -1,6 +1,7 @@
 // The coders of masks and of asked blocks on traced masks: bytes and times of both eyes, for whole views and
-// for what a client asks for of the next view. Whole masks are compared with LZ4 over the whole mask as it is
-// in memory, and over plain bit planes. With those two, one lost datagram would lose the whole mask.
+// for what a client asks for of the next view. Whole masks are compared with one LZ4 block (mask_block.h),
+// also in what arrives on a path that loses datagrams, and with LZ4 over the whole masks as they are in
+// memory.
 #include <lz4.h>
 
 #include <CLI/CLI.hpp>
@@ -15,10 +16,14 @@
 #include "stereo/base/clock.h"
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/net/assembler.h"
+#include "stereo/net/frame_packer.h"
+#include "stereo/net/impairment.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "stereo/wire/ask_coder.h"
 #include "stereo/wire/decision_counts.h"
+#include "stereo/wire/mask_block.h"
 #include "stereo/wire/seal.h"
 #include "stereo/wire/slice.h"
 
@@ -58,18 +63,6 @@ double lz4_bytes(const Bytes& bytes) {
   std::vector<char> block(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(bytes.size()))));
   return LZ4_compress_default(reinterpret_cast<const char*>(bytes.data()), block.data(),
                               static_cast<int>(bytes.size()), static_cast<int>(block.size()));
-}
-
-Bytes plain_bit_planes(const EyeMask& mask) {
-  const std::size_t pixels = mask.size().pixels();
-  Bytes planes((mask.lights() * pixels + 7) / 8);
-  for (std::uint32_t light = 0; light < mask.lights(); ++light)
-    for (std::uint32_t y = 0; y < mask.size().height; ++y)
-      for (std::uint32_t x = 0; x < mask.size().width; ++x) {
-        const std::size_t bit = light * pixels + std::size_t{y} * mask.size().width + x;
-        if (mask.lit(x, y, light)) planes[bit / 8] |= std::byte{1} << bit % 8;
-      }
-  return planes;
 }
 
 /// The blocks of a view in which something is asked for.
@@ -314,18 +307,80 @@ struct SealTimes {
   }
 };
 
-/// What LZ4 would make of both masks.
-struct Lz4Sizes {
-  Column masks{"LZ4 of both masks, KB", {}}, planes{"LZ4 of bit planes, KB", {}};
+/// The messages of both masks as one LZ4 block.
+std::vector<Bytes> block_parts(const ShadowFrame& frame) {
+  const Bytes block = pack_mask_block(frame);
+  FramePacker packer;
+  packer.begin();
+  packer.add(frame.frame, frame.frame, full_parts(block));
+  std::vector<Bytes> messages = packer.finish({.frame = frame.frame});
+  messages.pop_back();
+  return messages;
+}
+
+/// Figures of both masks as one LZ4 block, and of LZ4 over the masks as they are in memory.
+struct Block {
+  Column masks{"LZ4 of both masks, KB", {}}, kilobytes{"whole views: one LZ4 block, KB", {}},
+      datagrams{"  datagrams", {}}, pack_ms{"  pack both eyes, ms", {}},
+      open_ms{"  decode both eyes, ms", {}};
 
   void measure(const ShadowFrame& frame) {
-    double of_masks = 0, of_planes = 0;
-    for (const EyeMask& mask : frame.masks) {
+    double of_masks = 0;
+    for (const EyeMask& mask : frame.masks)
       of_masks += lz4_bytes(Bytes(mask.bytes().begin(), mask.bytes().end())) / 1e3;
-      of_planes += lz4_bytes(plain_bit_planes(mask)) / 1e3;
-    }
     masks.values.push_back(of_masks);
-    planes.values.push_back(of_planes);
+    const std::vector<Bytes> parts = block_parts(frame);
+    kilobytes.values.push_back(size_of(parts) / 1e3);
+    datagrams.values.push_back(static_cast<double>(parts.size()));
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      const Stopwatch packing;
+      const Bytes block = pack_mask_block(frame);
+      pack_ms.values.push_back(ms_of(packing.elapsed()));
+      PerEye<EyeMask> opened;
+      for (std::size_t eye = 0; eye < kEyes; ++eye)
+        opened[eye] = EyeMask(frame.masks[eye].size(), frame.masks[eye].lights());
+      const Stopwatch opening;
+      check(decode_mask_block(block, frame.light_set_revision, opened).has_value(), "our own block opens");
+      open_ms.values.push_back(ms_of(opening.elapsed()));
+      check(opened == frame.masks, "masks are unchanged");
+    }
+  }
+};
+
+/// What arrives of whole masks on a path that loses datagrams at random.
+struct Arrival {
+  double loss;
+  Column slices{"  slices: tiles that arrive, %", {}}, whole{"  slices: whole masks, %", {}},
+      block{"  one LZ4 block: whole masks, %", {}};
+  std::uint64_t tried = 0;
+
+  void measure(const FrameRequest& request, const ShadowFrame& frame, SlicePacker& packer) {
+    const std::vector<Bytes> packed = pack(frame, {}, packer), parts = block_parts(frame);
+    for (int repeat = 0; repeat < 50; ++repeat) {
+      const double tiles = arrived(request, frame, packed);
+      slices.values.push_back(100 * tiles);
+      whole.values.push_back(tiles == 1 ? 100 : 0);
+      FrameRequest of_block = request;
+      of_block.answer.coding = Coding::Lz4;
+      block.values.push_back(100 * arrived(of_block, frame, parts));
+    }
+  }
+
+  /// The share of both masks' tiles that a client knows afterwards.
+  double arrived(const FrameRequest& request, const ShadowFrame& frame, const std::vector<Bytes>& messages) {
+    Impairment path({.loss = loss}, {}, ++tried);
+    Assembler assembler;
+    assembler.expect(request, {frame.masks[0].lights()}, frame.light_set_revision);
+    for (const Bytes& message : messages) path.push({}, {}, message);
+    for (; path.front() != nullptr; path.pop()) {
+      const ServerMessage message = decode_server(path.front()->bytes()).value();
+      if (const auto* slice = std::get_if<Slice>(&message)) assembler.accept(*slice);
+      if (const auto* part = std::get_if<VideoPart>(&message)) assembler.accept(*part);
+    }
+    const RequestRecord& record = *assembler.find(request.frame);
+    const double known = record.tiles_known[0] + record.tiles_known[1],
+                 all = record.tiles_asked[0] + record.tiles_asked[1];
+    return known / (all * frame.masks[0].layout().planes());
   }
 };
 
@@ -346,7 +401,8 @@ Expected<void> run(const Options& options, const std::string& file) {
   Column trace_ms{"trace both eyes, ms", {}};
   Packing whole = packing_of("whole views: slices, KB"), edges = packing_of("edges: slices, KB"),
           next = packing_of("next view: slices, KB");
-  Lz4Sizes lz4;
+  Block block;
+  std::array<Arrival, 3> arrivals{Arrival{0}, Arrival{0.01}, Arrival{0.05}};
   Asking asking_edges, asking_next;
   std::mt19937 random(1);
   SealTimes sealing;
@@ -360,7 +416,8 @@ Expected<void> run(const Options& options, const std::string& file) {
     trace_ms.values.push_back(ms_of(tracing.elapsed()));
     const AskedBlocks with_edges{{edges_of(frame.masks[0]), edges_of(frame.masks[1])}};
     const AskedBlocks of_next{{asked_of(frame.masks[0], random), asked_of(frame.masks[1], random)}};
-    lz4.measure(frame);
+    block.measure(frame);
+    for (Arrival& arrival : arrivals) arrival.measure(request, frame, packer);
     whole.measure(frame, {}, packer);
     edges.measure(frame, with_edges, packer);
     asking_edges.measure(frame, with_edges, ask_packer);
@@ -371,7 +428,7 @@ Expected<void> run(const Options& options, const std::string& file) {
   std::printf("%s\n%u x %u an eye, %u lights, %u poses\n%-40s %8s %8s %8s %8s\n", file.c_str(),
               options.side_px, options.side_px, frame.masks[0].lights(), options.poses, "", "mean", "median",
               "p95", "p99");
-  print_columns({trace_ms, lz4.masks, lz4.planes});
+  print_columns({trace_ms, block.masks, block.kilobytes, block.datagrams, block.pack_ms, block.open_ms});
   const auto print_packing = [](const Packing& packing) {
     print_columns({packing.kilobytes, packing.datagrams, packing.pack_ms, packing.open_ms});
   };
@@ -383,6 +440,10 @@ Expected<void> run(const Options& options, const std::string& file) {
   print_asking(asking_edges);
   print_packing(next);
   print_asking(asking_next);
+  for (const Arrival& arrival : arrivals) {
+    std::printf("whole views at %.0f %% loss\n", 100 * arrival.loss);
+    print_columns({arrival.slices, arrival.whole, arrival.block});
+  }
   print_columns({sealing.seal_ms, sealing.unseal_ms});
   const auto median = [](const Column& column) { return spread_of(column.values).median; };
   const double sealed_ms = median(sealing.seal_ms);

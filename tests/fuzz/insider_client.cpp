@@ -13,6 +13,7 @@
 #include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/frame_fields.h"
+#include "stereo/wire/mask_block.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
@@ -98,7 +99,11 @@ AnswerCost answer(const Job& job, FramePacker& packer, Streams& streams) {
   if (kind != Answer::Masks) return {};
   ShadowFrame frame;
   AnswerCost cost{.traced = fuzz::paint(job.request, frame)};
-  if (frame.masks[0].size() == Extent{18, 10}) packer.add(frame);
+  if (frame.masks[0].size() != Extent{18, 10}) return cost;
+  if (job.request.answer.coding == Coding::Lz4)
+    packer.add(frame.frame, frame.frame, full_parts(pack_mask_block(frame)));
+  else
+    packer.add(frame);
   return cost;
 }
 
@@ -180,6 +185,7 @@ Bytes Conversation::request(std::uint32_t place, fuzz::Choices& choices) {
   const bool positions = request.answer.kind == Answer::MasksOfPositions;
   if (positions) request.answer.position_bits = kLeastPosition_bits;
   if (positions || request.answer.kind == Answer::Masks) request.answer.slices = choices.up_to(65535);
+  if (request.answer.kind == Answer::Masks && request.answer.slices == 0) request.answer.coding = Coding::Lz4;
   if (request.answer.kind == Answer::Surround) request.frame.value += kFirstSurroundFrame.value;
   message.probe_echo = choices.up_to(1) == 0 ? evil(place).probe : any_number(choices);
   message.arrivals.first = any_number(choices) / 2;

@@ -4,6 +4,7 @@
 // requests and assemble the answer to the next one bit for bit.
 #include <spdlog/spdlog.h>
 
+#include "stereo/wire/mask_block.h"
 #include "stereo/wire/plane_codec.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/support/fixed_random.h"
@@ -34,6 +35,15 @@ Bytes plane_of(FrameId frame) {
   return encoded(*packer.next());
 }
 
+/// The painted masks as one LZ4 block.
+Bytes mask_block(FrameId frame) {
+  ShadowFrame painted;
+  fuzz::paint(fuzz::request(frame.value), painted);
+  const Bytes block = pack_mask_block(painted);
+  check(block.size() <= kVideoPart_bytes, "the block fits into one part");
+  return encoded(VideoPart{.frame = frame, .after = frame, .bytes = block});
+}
+
 class Conversation {
  public:
   Conversation();
@@ -41,7 +51,7 @@ class Conversation {
   void finish();
 
  private:
-  void ask(Answer answer);
+  void ask(const AnswerSpec& answer);
   void say(std::span<const std::byte> message, std::optional<std::uint64_t> counter = {});
   [[nodiscard]] std::vector<Bytes> honest_answer() const;
   [[nodiscard]] Bytes genuine(fuzz::Choices& choices) const;
@@ -61,13 +71,13 @@ class Conversation {
 Conversation::Conversation() {
   wire_.while_waiting([this] { server_.serve(); });
   check(link_.meet(1s).has_value(), "whoever has the key can be a server");
-  ask(Answer::Masks);
+  ask({});
 }
 
-void Conversation::ask(Answer answer) {
+void Conversation::ask(const AnswerSpec& answer) {
   FrameRequest request = fuzz::request(++frame_);
-  request.answer.kind = answer;
-  if (is_video(answer)) {
+  request.answer = answer;
+  if (is_video(answer.kind)) {
     request.answer.bits_per_second = kLeastVideo_bits;
     request.answer.interval = 10ms;
   }
@@ -107,7 +117,7 @@ std::vector<Bytes> Conversation::honest_answer() const {
 Bytes Conversation::genuine(fuzz::Choices& choices) const {
   const FrameId frame{frame_ - choices.up_to(2)};
   const std::array block{std::byte{static_cast<std::uint8_t>(choices.up_to(255))}};
-  switch (choices.up_to(5)) {
+  switch (choices.up_to(6)) {
     case 0:
       return encoded(Probe{1 + choices.up_to(3)});
     case 1:
@@ -118,6 +128,8 @@ Bytes Conversation::genuine(fuzz::Choices& choices) const {
       return encoded(FrameReport{.frame = frame, .view_scale = {1 + choices.up_to(7)}});
     case 4:
       return encoded(fuzz::kServed);
+    case 6:
+      return mask_block(frame);
     default:
       return honest_answer()[choices.up_to(1)];
   }
@@ -141,8 +153,9 @@ void Conversation::step(fuzz::Choices& choices) {
     const std::uint64_t far = std::uint64_t{1} << choices.up_to(63);
     say(encoded(Probe{1}), choices.up_to(1) == 1 ? 2 * far - 1 : far);
   } else if (kind == Ask) {
-    constexpr std::array kinds{Answer::Masks, Answer::GBuffer, Answer::Video};
-    ask(kinds[choices.up_to(kinds.size() - 1)]);
+    const std::array<AnswerSpec, 4> answers{
+        {{}, {.kind = Answer::GBuffer}, {.kind = Answer::Video}, {.coding = Coding::Lz4}}};
+    ask(answers[choices.up_to(answers.size() - 1)]);
   } else {
     link_.listen(std::chrono::milliseconds(choices.up_to(255)));
   }
@@ -161,7 +174,9 @@ void Conversation::check_client() const {
     }
     const Answer kind = record->request.answer.kind;
     check(kind == Answer::GBuffer || record->gbuffer.tiles_known == 0, "planes come of a request for them");
-    check(is_video(kind) || record->video.parts_known == 0, "video comes of a request for it");
+    const bool is_block = record->request.answer.coding == Coding::Lz4;
+    check(is_video(kind) || is_block || record->video.parts_known == 0, "video comes of a request for it");
+    check(!is_block || record->complete(), "a block of masks is known as a whole");
     check(record->gbuffer.tiles_known <= record->gbuffer.tiles, "tiles of planes count once");
     check(record->video.parts_known <= record->video.known.size(), "parts count once");
     check(record->video.unit.size() <= kMostVideoParts * kVideoPart_bytes, "a unit is bounded");
@@ -172,7 +187,12 @@ void Conversation::check_client() const {
 }
 
 void Conversation::finish() {
-  ask(Answer::Masks);
+  ask({.coding = Coding::Lz4});
+  say(mask_block({frame_}));
+  ShadowFrame block;
+  fuzz::paint(fuzz::request(frame_), block);
+  check(link_.inbox().find({frame_})->masks == block.masks, "the next block opens");
+  ask({});
   for (const Bytes& message : honest_answer()) say(message);
   check(link_.wait_for({frame_}, 1ms), "the next answer comes whole");
   ShadowFrame painted;

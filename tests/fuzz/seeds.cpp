@@ -172,6 +172,9 @@ void save_envelopes(const fs::path& folder) {
 void save_messages(const fs::path& folder) {
   using namespace wire_samples;
   save(folder / "request", after(0, encoded(ClientMessage(request()))));
+  RequestMessage block = request();
+  block.request.answer = {.coding = Coding::Lz4};
+  save(folder / "request_for_a_block", after(0, encoded(ClientMessage(block))));
   save(folder / "welcome", after(1, encoded(ServerMessage(welcome()))));
   save(folder / "refusal", after(1, encoded(ServerMessage(refusal()))));
   save(folder / "report", after(1, encoded(ServerMessage(report()))));

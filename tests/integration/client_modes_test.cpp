@@ -1,6 +1,7 @@
 // Runs every mode with the real programs over UDP. A command line works, or the program says why it does not.
 #include <gtest/gtest.h>
 
+#include "stereo/base/files.h"
 #include "stereo/video/video.h"
 #include "tests/integration/client_program.h"
 #include "tests/unit/scratch_folder.h"
@@ -50,6 +51,35 @@ INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,
                                          Case{"server-gbuffer", 15}, Case{"remote", 15}, Case{"delta", 15},
                                          Case{"local", 15}, Case{"full", 50}),
                          mode_name);
+
+/// The code changes the bytes and nothing else.
+TEST(ClientModes, BlocksOfMasksShowTheSamePicturesAsSlices) {
+  RunningServer server;
+  const ScratchFolder range, lz4;
+  std::vector<std::vector<double>> rows;
+  for (const auto& [code, folder] : {std::pair("range", &range), std::pair("lz4", &lz4)}) {
+    // Without reprojection there is no surround, which blocks go without.
+    const Ended run = run_client({{"--server", server.address()},
+                                  {"--mask-code", code},
+                                  {"--ask", "whole"},
+                                  {"--reprojection", "off"},
+                                  {"--delay", "20"},
+                                  {"--out", folder->path().string()}});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    rows.push_back(summary_row(folder->path(), "left eye", "PSNR"));
+    rows.push_back(summary_row(folder->path(), "wire", "bytes of an answer"));
+  }
+  EXPECT_EQ(rows[0], rows[2]);
+  EXPECT_LT(rows[1][0], rows[3][0]) << "LZ4 of bitmaps has more bytes";
+  std::size_t pictures = 0;
+  for (const auto& file : std::filesystem::directory_iterator(range.path()))
+    if (file.path().extension() == ".png") {
+      ++pictures;
+      const auto same = read_file(lz4.path() / file.path().filename(), 1 << 24);
+      EXPECT_TRUE(read_file(file.path(), 1 << 24).value() == same.value()) << file.path();
+    }
+  EXPECT_GT(pictures, 2u);
+}
 
 TEST(ClientModes, RefusesToCaptureOtherModes) {
   const ScratchFolder folder;

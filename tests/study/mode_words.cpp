@@ -82,6 +82,7 @@ const std::vector<Word>& all_words() {
       {"predictor", asks, &set_predictor},
       {"every", asks, number(1, 64, [](Play& play, Value n) { play.request.every = n; })},
       {"ask", only_hybrid, only("whole", [](Play& play) { play.request.asks = Asks::Whole; })},
+      {"code", only_hybrid, only("lz4", [](Play& play) { play.mode.mask_code = MaskCode::Lz4; })},
       {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},
       {"reprojection", carries, only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
       {"band", widens, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},

@@ -44,6 +44,10 @@ TEST(ModeWords, SetTheNamedSetting) {
   EXPECT_EQ(hybrid.play.request.every, 4u);
   EXPECT_GT(hybrid.play.mask_wait, Duration::zero());
 
+  Settings blocks;
+  ASSERT_TRUE(set("hybrid,code=lz4", blocks));
+  EXPECT_EQ(blocks.play.mode.mask_code, MaskCode::Lz4);
+
   Settings covered;
   ASSERT_TRUE(set("hybrid,edges=coverage", covered));
   EXPECT_EQ(covered.play.carry_over.edges, Edges::Coverage);
@@ -75,6 +79,8 @@ TEST(ModeWords, RefuseSettingsThatTheModeLacks) {
                             "hybrid,eyes",
                             "hybrid,eyes=",
                             "hybrid,eyes=both",
+                            "hybrid,code=range",
+                            "client-positions,code=lz4",
                             "hybrid,every=0",
                             "hybrid,every=2x",
                             "hybrid,bitrate=20M",

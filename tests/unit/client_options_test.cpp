@@ -242,6 +242,10 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--bitrate", "nan"}, "--bitrate"},
       {{"--position-bits", "7"}, "--position-bits"},
       {{"--position-bits", "25"}, "--position-bits"},
+      {{"--mask-code", "zstd"}, "--mask-code"},
+      {{"--mask-code", "lz4", "--mode", "client-positions"}, "--mask-code"},
+      {{"--mask-code", "lz4", "--ask", "unknown"}, "--ask"},
+      {{"--mask-code", "lz4", "--record", "capture"}, "--record"},
       {{"--shadow-maps", "16"}, "--shadow-maps"},
       {{"--pcf", "9"}, "--pcf"},
       {{"--mode", "delta", "--record", "capture"}, "--record"},
@@ -289,6 +293,16 @@ TEST(ReadOptions, AcceptsEveryModeAndItsSettings) {
   EXPECT_EQ(set.options->mode.position_bits, 24u);
   EXPECT_EQ(set.options->mode.shadow_maps.side_px, 512u);
   EXPECT_EQ(set.options->mode.shadow_maps.pcf_radius, 0u);
+}
+
+TEST(ReadOptions, BlocksOfMasksAreAskedForAsAWhole) {
+  const Outcome range = read_more({"--mask-code", "range"}), lz4 = read_more({"--mask-code", "lz4"});
+  ASSERT_TRUE(range.options && lz4.options) << range.errors << lz4.errors;
+  EXPECT_EQ(range.options->mode, ModeSettings{});
+  EXPECT_EQ(range.options->request.asks, Asks::Unknown);
+  EXPECT_EQ(lz4.options->mode.mask_code, MaskCode::Lz4);
+  EXPECT_EQ(lz4.options->request.asks, Asks::Whole);
+  EXPECT_TRUE(read_more({"--mask-code", "lz4", "--ask", "whole"}).options);
 }
 
 TEST(ReadOptions, PlanAndPreviewAndExportNeedLess) {

@@ -68,8 +68,15 @@ inline constexpr std::array<ModeName, 7> kModes{
   return draws_scene(mode) && mode != Mode::Full ? kDefaultDetail_px : 0;
 }
 
+/// How the server codes the masks of mode hybrid (docs/asking.md).
+enum class MaskCode : std::uint8_t {
+  Range,  ///< slices that each decode alone, of what the client asks for
+  Lz4,    ///< one LZ4 block of both eyes' whole views, as published systems have it
+};
+
 struct ModeSettings {
   Mode mode = Mode::Hybrid;
+  MaskCode mask_code = MaskCode::Range;        ///< Hybrid
   std::uint32_t bits_per_second = 20'000'000;  ///< Remote, Delta
   std::uint32_t position_bits = 14;            ///< ClientPositions: bits for each axis of the scene
   ShadowMapSettings shadow_maps{};             ///< Local

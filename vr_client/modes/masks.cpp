@@ -41,16 +41,17 @@ class Hybrid final : public ModePipeline {
  public:
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
+        coding_(context.mode.mask_code == MaskCode::Lz4 ? Coding::Lz4 : Coding::AfterLast),
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
-        surround_(context.link, context.policy, motion_of(context.renderer)),
+        surround_(asks_for_parts() ? context.link : nullptr, context.policy, motion_of(context.renderer)),
         asking_(context.renderer),
         masks_(context.renderer.anything_moves()) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
+    FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks, .coding = coding_});
     if (surround_.plan(inputs, exchange_.lead(inputs.period))) surround_.send(inputs);
     asking_.skip();
-    if (request != nullptr && exchange_.takes_parts()) {
+    if (request != nullptr && asks_for_parts() && exchange_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
       const RequestRecord* const newest = exchange_.newest_settled(inputs);
       const RequestRecord* const base = inputs.settings.request.asks == Asks::Unknown ? newest : nullptr;
@@ -75,7 +76,11 @@ class Hybrid final : public ModePipeline {
   }
 
  private:
+  /// A block of masks holds whole views, and none of the surround.
+  [[nodiscard]] bool asks_for_parts() const { return coding_ != Coding::Lz4; }
+
   Renderer& renderer_;
+  Coding coding_;
   Exchange exchange_;
   Surround surround_;
   Asking asking_;

@@ -8,6 +8,7 @@
 
 #include "stereo/net/assembler.h"
 #include "stereo/net/frame_packer.h"
+#include "stereo/wire/mask_block.h"
 #include "tests/support/largest_word.h"
 
 namespace farshade {
@@ -225,6 +226,107 @@ TEST(PictureAssembly, RefusesAPartOfAnotherCut) {
   accept(assembler, video_datagrams(8, 8, noise(2 * kVideoPart_bytes))[1]);
   EXPECT_EQ(assembler.counters().refused[WireRefusal::Part], 2u);
   EXPECT_EQ(assembler.find({8})->video.parts_known, 1u);
+}
+
+FrameRequest block_request(std::uint32_t frame) {
+  FrameRequest requested = request(frame, Answer::Masks);
+  requested.answer.coding = Coding::Lz4;
+  return requested;
+}
+
+/// Noise, so that the block has several parts.
+ShadowFrame noisy_masks(const FrameRequest& requested) {
+  ShadowFrame frame{requested.frame, kFirstLightSet, requested.views, {}};
+  std::mt19937 random(5);
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    frame.masks[eye] = EyeMask(requested.views[eye].size, 40);
+    for (std::uint32_t plane = 0; plane < 2; ++plane)
+      for (std::uint32_t i = 0; i < frame.masks[eye].size().pixels(); ++i)
+        frame.masks[eye].set_word(
+            i % 70, i / 70, plane,
+            static_cast<std::uint32_t>(random()) & frame.masks[eye].layout().used_bits(plane));
+  }
+  return frame;
+}
+
+Datagrams block_datagrams(const ShadowFrame& frame) {
+  const std::vector<std::byte> block = pack_mask_block(frame);
+  FramePacker packer;
+  packer.begin();
+  packer.add(frame.frame, frame.frame, full_parts(block));
+  return finished(packer, frame.frame.value);
+}
+
+TEST(MaskBlockParts, AreFull) {
+  const std::vector<std::byte> bytes = nal_units({700, 800, 900});
+  const VideoUnitParts parts = full_parts(bytes);
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ(parts[0].size(), kVideoPart_bytes) << "whatever looks like the start of a NAL unit";
+  EXPECT_EQ(parts[1].size(), kVideoPart_bytes);
+  EXPECT_EQ(parts[2].size(), 2400 - 2 * kVideoPart_bytes);
+  EXPECT_TRUE(full_parts({}).empty());
+}
+
+TEST(MaskBlockAssembly, GivesBackTheMasksInAnyOrder) {
+  const FrameRequest requested = block_request(1);
+  const ShadowFrame frame = noisy_masks(requested);
+  Datagrams datagrams = block_datagrams(frame);
+  ASSERT_GT(datagrams.size(), 10u);
+  std::ranges::shuffle(datagrams, std::mt19937(3));
+  Assembler assembler;
+  assembler.expect(requested, {40}, kFirstLightSet);
+  for (const auto& datagram : datagrams) {
+    EXPECT_FALSE(assembler.find({1})->complete() && assembler.find({1})->report);
+    accept(assembler, datagram);
+    accept(assembler, datagram);  // doubled
+  }
+  const RequestRecord& received = *assembler.find({1});
+  EXPECT_TRUE(received.complete());
+  EXPECT_EQ(received.masks, frame.masks);
+  for (const KnownTiles& known : received.known_tiles)
+    EXPECT_EQ(std::ranges::count(known, 3), static_cast<std::ptrdiff_t>(known.size())) << "both planes";
+  EXPECT_EQ(assembler.counters().duplicates, datagrams.size() - 1);
+  EXPECT_EQ(assembler.counters().refused.total(), 0u);
+}
+
+TEST(MaskBlockAssembly, NothingIsKnownBeforeAllPartsHaveCome) {
+  const FrameRequest requested = block_request(1);
+  const Datagrams datagrams = block_datagrams(noisy_masks(requested));
+  Assembler assembler;
+  assembler.expect(requested, {40}, kFirstLightSet);
+  for (std::size_t i = 0; i < datagrams.size(); ++i)
+    if (i != 3) accept(assembler, datagrams[i]);
+  const RequestRecord& received = *assembler.find({1});
+  EXPECT_FALSE(received.anything_known());
+  EXPECT_EQ(received.pieces_known(), datagrams.size() - 2) << "but the client sees that more comes";
+  EXPECT_EQ(received.tiles_known, PerEye<std::uint32_t>{});
+  EXPECT_EQ(assembler.newest_known(), nullptr);
+  accept(assembler, datagrams[3]);
+  EXPECT_TRUE(received.complete() && received.anything_known());
+}
+
+TEST(MaskBlockAssembly, RefusesWhatWasNotAskedFor) {
+  const FrameRequest requested = block_request(1);
+  const ShadowFrame frame = noisy_masks(requested);
+  const auto refused = [&](const Datagrams& datagrams) {
+    Assembler assembler;
+    assembler.expect(requested, {40}, kFirstLightSet);
+    for (const auto& datagram : datagrams) accept(assembler, datagram);
+    EXPECT_FALSE(assembler.find({1})->anything_known());
+    EXPECT_EQ(assembler.find({1})->masks[0], EyeMask({70, 50}, 40)) << "no bit is set";
+    return assembler.counters().refused;
+  };
+  ShadowFrame other_lights = frame, smaller = frame;
+  other_lights.light_set_revision = {9};
+  smaller.masks[1] = EyeMask({70, 49}, 40);
+  EXPECT_EQ(refused(block_datagrams(other_lights))[WireRefusal::OtherMask], 1u);
+  EXPECT_EQ(refused(block_datagrams(smaller))[WireRefusal::Block], 1u);
+  EXPECT_EQ(refused(video_datagrams(1, 1, noise(3)))[WireRefusal::Truncated], 1u);
+  FramePacker packer;
+  packer.begin();
+  packer.add(frame);
+  const Datagrams slices = finished(packer, 1);
+  EXPECT_EQ(refused(slices)[WireRefusal::AnswerSpec], slices.size() - 1);
 }
 
 TEST(PictureAssembly, AReusedSlotRemembersNoPicture) {

@@ -149,6 +149,7 @@ class ServerAnswers : public testing::Test {
     for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
       const Decoded<ServerMessage> decoded = decode_server(message);
       if (const auto* slice = decoded ? std::get_if<Slice>(&*decoded) : nullptr) assembler_.accept(*slice);
+      if (const auto* part = decoded ? std::get_if<VideoPart>(&*decoded) : nullptr) assembler_.accept(*part);
     }
     return *assembler_.find(job_.request.frame);
   }
@@ -198,6 +199,18 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   EXPECT_TRUE(received().complete(Side::Left));
   job_.parts.clear();
   EXPECT_FALSE(received().anything_known()) << "nothing of the earlier request is left";
+}
+
+TEST_F(ServerAnswers, ABlockHasTheMasksOfTheSlices) {
+  job_.request.views[1].stage_from_eye.translation.x = 0.5;
+  const PerEye<EyeMask> truth = received().masks;
+  EXPECT_NE(truth[0], truth[1]);
+  job_.request.answer.coding = Coding::Lz4;
+  const RequestRecord& block = received();
+  EXPECT_TRUE(block.complete());
+  EXPECT_EQ(block.masks, truth);
+  EXPECT_GT(block.video.parts_known, 1u);
+  EXPECT_EQ(assembler_.counters().refused.total(), 0u);
 }
 
 /// Only what has come in AskSlices is traced and sent.

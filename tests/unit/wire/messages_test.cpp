@@ -306,6 +306,7 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.kind = Video, .bits_per_second = 100'000, .interval = frame},
            {.kind = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
            {.slices = 65535},
+           {.coding = Coding::Lz4},
            {.kind = MasksOfPositions, .position_bits = 8, .slices = 65535},
            {.kind = MasksOfPositions, .position_bits = 24}})
     EXPECT_EQ(refusal_of(fine), std::nullopt);
@@ -313,6 +314,11 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.bits_per_second = 1},
            {.interval = frame},
            {.coding = Coding::Alone},
+           {.coding = Coding::Lz4, .slices = 1},
+           {.kind = MasksOfPositions, .coding = Coding::Lz4, .position_bits = 8},
+           {.kind = GBuffer, .coding = Coding::Lz4},
+           {.kind = Video, .bits_per_second = 100'000, .interval = frame, .coding = Coding::Lz4},
+           {.kind = Surround, .coding = Coding::Lz4},
            {.position_bits = 8},
            {.kind = GBuffer, .slices = 1},
            {.kind = GBuffer, .position_bits = 16},
@@ -326,7 +332,7 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.kind = MasksOfPositions, .position_bits = 25}})
     EXPECT_EQ(refusal_of(wrong), WireRefusal::AnswerSpec);
   EXPECT_EQ(refusal_of({.kind = static_cast<Answer>(kAnswers)}), WireRefusal::Code);
-  EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(2)}), WireRefusal::Code);
+  EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(3)}), WireRefusal::Code);
 }
 
 TEST(WelcomeDecode, TakesExposuresInTheirRangeOnly) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "stereo/wire/handshake.h"
+#include "stereo/wire/mask_block.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {
@@ -134,6 +135,17 @@ TEST(Protocol, FrameReportIsAsThePageSays) {
 TEST(Protocol, ProbeIsAsThePageSays) {
   EXPECT_EQ(encoded(ServerMessage(probe())), example("probe"));
   EXPECT_EQ(std::get<Probe>(*decode_server(example("probe"))), probe());
+}
+
+TEST(Protocol, MaskBlockIsAsThePageSays) {
+  ShadowFrame frame = frame_of(EyeMask({3, 2}, 2), EyeMask({3, 2}, 2));
+  frame.masks[0].set_word(1, 0, 0, 1);
+  frame.masks[0].set_word(0, 1, 0, 2);
+  frame.masks[1].set_word(2, 1, 0, 2);
+  EXPECT_EQ(pack_mask_block(frame), example("mask-block"));
+  PerEye<EyeMask> masks{EyeMask({3, 2}, 2), EyeMask({3, 2}, 2)};
+  EXPECT_TRUE(decode_mask_block(example("mask-block"), {2}, masks));
+  EXPECT_EQ(masks, frame.masks);
 }
 
 TEST(Protocol, LeaveAndGoodbyeAreAsThePageSays) {
