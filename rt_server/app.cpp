@@ -185,7 +185,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!loaded) return tl::unexpected(loaded.error());
   for (const std::string& note : loaded->notes) say("rt_server: " + note);
   const auto [scene, plan] =
-      plan_scene(std::move(loaded->scene), {.kind = options.plan.kind, .surround = false});
+      plan_scene(std::move(loaded->scene), {.kind = options.plan.kind, .cube_mask = false});
   if (options.plan.prints_only) return print_plan(scene, plan);
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");

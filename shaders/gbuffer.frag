@@ -6,7 +6,7 @@
 #include "shaders/shared.h"
 
 layout(constant_id = 0) const bool kMasked = false;
-layout(constant_id = 1) const bool kGeometricNormals = true;  // needed to carry masks over
+layout(constant_id = 1) const bool kGeometricNormals = true;  // needed to reproject masks
 layout(constant_id = 2) const bool kInstances = true;         // needed if some instances can move
 
 #ifdef TEXTURED

@@ -17,7 +17,7 @@ uint slot_of(uint instance) { return motion_slots[instance]; }
 
 // Whether an instance has moved since any mask of the group `since` was traced.
 bool has_moved(uint since, uint slot) {
-  uint first = since == FARSHADE_SINCE_SURROUND ? FARSHADE_MAX_MASKS : since;
+  uint first = since == FARSHADE_SINCE_CUBE_MASK ? FARSHADE_MAX_MASKS : since;
   return slot != 0u && motion_of(slot, first)[0][3] != 0.0;
 }
 
@@ -46,6 +46,6 @@ uint crossed_bits(uint since, uint slot, vec3 p, uint plane) { return 0u; }
 uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
   uint moved = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + plane / 4][plane % 4];
   if (since == FARSHADE_SINCE_OLDER) moved = frame.stale_lights[FARSHADE_SINCE_OLDER * 2 + plane / 4][plane % 4];
-  if (since == FARSHADE_SINCE_SURROUND) moved = frame.stale_lights[FARSHADE_SINCE_SURROUND * 2 + plane / 4][plane % 4];
+  if (since == FARSHADE_SINCE_CUBE_MASK) moved = frame.stale_lights[FARSHADE_SINCE_CUBE_MASK * 2 + plane / 4][plane % 4];
   return moved | crossed_bits(since, slot, p, plane);
 }

@@ -1,7 +1,7 @@
 // Reprojection: what the masks in use know of a shown surface point.
 // The point is projected into each traced view, in order of trust. The first view that saw the same surface there, in a
-// tile that arrived, gives its bits. If there is none, a face of the surround gives them (masks of all directions, with
-// fewer pixels), else the nearest pixel of the newest view on the point's own plane.
+// tile that arrived, gives its bits. If there is none, a face of the cube mask gives them (masks of all directions,
+// with fewer pixels), else the nearest pixel of the newest view on the point's own plane.
 // Near shadow edges (a mask's edge bits mark them), a line between the lit and the dark pixels around the point, in all of
 // this eye's views, places the edge. Views of different times sample the edge at different places.
 // Bits are stale if a light, a caster or the surface itself has moved since the mask was traced (motion.glsl).
@@ -130,10 +130,10 @@ vec4 gather_views(ivec2 corner, uint layer) {
   return textureGather(depth_ring, vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), layer));
 }
 vec4 gather_faces(ivec2 corner, uint layer) {
-  return textureGather(surround_depth, vec3((vec2(corner) + 1.0) / vec2(textureSize(surround_depth, 0).xy), layer));
+  return textureGather(cube_mask_depth, vec3((vec2(corner) + 1.0) / vec2(textureSize(cube_mask_depth, 0).xy), layer));
 }
 
-// What the surround knows of a point.
+// What the cube mask knows of a point.
 struct FaceSamples {
   Sample same;       // the nearest of the four pixels around the point that saw the same surface
   Sample closest;    // of all four, the one whose depth is closest to that of the point's plane
@@ -165,8 +165,8 @@ void add_face(uint index, SourceData source, Surface surface, inout FaceSamples 
   }
 }
 
-// The first face of the surround that knows the point.
-FaceSamples surround_samples(Surface surface, bool needed) {
+// The first face of the cube mask that knows the point.
+FaceSamples cube_mask_samples(Surface surface, bool needed) {
   Sample none = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
   FaceSamples samples = FaceSamples(none, none, 1e30);
   const uint first = kNewest + FARSHADE_FIRST_FACE, faces = frame.counts.w;
@@ -230,7 +230,7 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, uint fresh, ino
   Projection projection = project(face ? mask_of(taken) : oldest, source, surface);
   ivec2 corner = corner_at(projection.at);
   vec4 depths = gather_views(corner, source.place.x);
-  if (kSurround) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
+  if (kCubeMask) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
   samples.fresh[oldest] = face ? ~0u : fresh;
   add_samples(oldest, source, projection, depths, face || oldest < frame.counts.x, group, samples);
 }

@@ -44,7 +44,7 @@ layout(constant_id = FARSHADE_CONSTANT_EDGE_BIT) const uint kEdgeBit = 1;
 layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
 layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
 layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
-layout(constant_id = FARSHADE_CONSTANT_SURROUND) const bool kSurround = true;
+layout(constant_id = FARSHADE_CONSTANT_CUBE_MASK) const bool kCubeMask = true;
 
 // 0 left, 1 right. As a constant, it would double what drivers compile.
 layout(push_constant) uniform Dispatch { uint shown_eye; };
@@ -63,9 +63,9 @@ layout(std430, binding = 8) buffer Hard {
   // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
   uint hard_pixels[];
 };
-layout(binding = 9) uniform sampler2DArray surround_depth;
+layout(binding = 9) uniform sampler2DArray cube_mask_depth;
 #else
-#define surround_depth depth_ring  // not read
+#define cube_mask_depth depth_ring  // not read
 #endif
 #ifdef SHADOW_MAPS
 const bool kShadowMaps = true;
@@ -131,8 +131,8 @@ Sample direct_sample(ivec2 pixel) {
   return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
 }
 
-// The rule for unknown visibility: what the surround has in the direction of the point; without it, what the newest mask
-// has in the direction of the shown pixel; lit if the head has turned too far or the mask's tile is missing.
+// The rule for unknown visibility: what the cube mask has in the direction of the point; without it, what the newest
+// mask has in the direction of the shown pixel; lit if the head has turned too far or the mask's tile is missing.
 Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   const uint plane = group / 4;
   SourceData newest = source_of(kNewest), face = newest;
@@ -141,8 +141,8 @@ Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   if (around) face = source_of(closest.source);
   if (around) nearby = closest.pixel;
   uint bits = known ? mask_bits(newest, there, plane) : ~0u, of_face = mask_bits(face, nearby, plane);
-  // Of lights that the viewer has changed since then, the surround knows nothing.
-  uint old = frame.changed_lights[plane / 4][plane % 4] & frame.stale_lights[FARSHADE_SINCE_SURROUND * 2 + plane / 4][plane % 4];
+  // Of lights that the viewer has changed since then, the cube mask knows nothing.
+  uint old = frame.changed_lights[plane / 4][plane % 4] & frame.stale_lights[FARSHADE_SINCE_CUBE_MASK * 2 + plane / 4][plane % 4];
   if (around) bits = (of_face & ~old) | (bits & old);
   return eight_of(bits >> (group % 4 * 8));
 }
@@ -174,7 +174,7 @@ Surface surface_at(ivec2 pixel, float depth, uint stored) {
 // What the masks know of a surface point.
 struct Lookup {
   Sample taken;       // whose bits the point takes
-  Sample closest;     // of the surround, for points that no view saw: a guess
+  Sample closest;     // of the cube mask, for points that no view saw: a guess
   bool known;         // `taken` has a source
   uint source;        // of `taken`; the newest if it has none
   SourceData traced;  // of `source`
@@ -192,9 +192,9 @@ Lookup look_up(ivec2 pixel, Surface surface) {
     result.taken = first_sample(surface);
   result.closest = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
 #ifdef SECOND_LOOK
-  if (kSurround) {
+  if (kCubeMask) {
     bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
-    FaceSamples around = surround_samples(surface, unseen);
+    FaceSamples around = cube_mask_samples(surface, unseen);
     if (unseen) result.taken = around.same;
     result.closest = around.closest;
   }
@@ -223,7 +223,7 @@ struct PlaneBits {
 PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
   PlaneBits bits = PlaneBits(0u, 0u, 0u);
   const bool first = mask_of(found.source) == 0;
-  const uint since = is_face(found.source) ? FARSHADE_SINCE_SURROUND : FARSHADE_SINCE_OLDER;
+  const uint since = is_face(found.source) ? FARSHADE_SINCE_CUBE_MASK : FARSHADE_SINCE_OLDER;
   if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
   bits.visible = found.known ? bits.visible : 0u;
   if (kSecondLook && kMoved) bits.stale = stale_bits(since, slot, p_stage, plane);

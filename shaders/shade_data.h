@@ -5,7 +5,7 @@
 
 #define FARSHADE_SHADE_GROUP 64  // invocations of a workgroup, one pixel each
 
-// What one dispatch does. DIRECT reads the newest mask at the shown pixel. The others carry masks over: EASY
+// What one dispatch does. DIRECT reads the newest mask at the shown pixel. The others reproject masks: EASY
 // shades all pixels that the newest mask is enough for and lists the others; HARD shades the listed pixels;
 // MOVING shades the listed pixels on instances that can move.
 #define FARSHADE_PASS_DIRECT 0
@@ -33,7 +33,7 @@
 #define FARSHADE_CONSTANT_MAP_SIDE 13           // texels of a shadow map
 #define FARSHADE_CONSTANT_PCF_RADIUS 14         // texels
 #define FARSHADE_CONSTANT_DETAIL 15             // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CONSTANT_SURROUND 16           // points that no view's mask knows are looked up in the surround
+#define FARSHADE_CONSTANT_CUBE_MASK 16          // points that no view's mask knows are looked up in the cube mask
 #define FARSHADE_CONSTANTS 17
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these

@@ -64,17 +64,17 @@ struct ShadowMapData {
   uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer; z, w unused
 };
 
-#define FARSHADE_MAX_MASKS 4     // of views
-#define FARSHADE_MAX_SURROUND 3  // masks of the surround, of two opposite faces each
-#define FARSHADE_MAX_TRACED 7    // masks of both kinds
-// The masks traced for this eye, in order, those for the other eye, and the faces of the surround.
+#define FARSHADE_MAX_MASKS 4            // of views
+#define FARSHADE_MAX_CUBE_MASK_PAIRS 3  // masks of the cube's faces, of two opposite faces each
+#define FARSHADE_MAX_TRACED 7           // masks of both kinds
+// The masks traced for this eye, in order, those for the other eye, and the faces of the cube mask.
 #define FARSHADE_FIRST_FACE 8
 #define FARSHADE_MAX_SOURCES 14
 #define FARSHADE_MAX_MOVED 4  // bounding spheres of moved instances
-// Groups of masks: the newest, older ones, and those of the surround.
+// Groups of masks: the newest, older ones, and those of the cube mask.
 #define FARSHADE_SINCE_NEWEST 0
 #define FARSHADE_SINCE_OLDER 1
-#define FARSHADE_SINCE_SURROUND 2
+#define FARSHADE_SINCE_CUBE_MASK 2
 #define FARSHADE_SINCE_GROUPS 3
 #define FARSHADE_TILE_PX 16
 #define FARSHADE_BLOCK_PX 4
@@ -99,7 +99,7 @@ struct FrameData {
   vec4 background;                                             // linear
   vec4 ambient;  // linear factor of the base colour; 0 if the scene has lights of its own
   uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = 1 if the newest mask's view
-                 // is close enough to the shown view to guess from; w = faces of the surround in use
+                 // is close enough to the shown view to guess from; w = faces of the cube mask in use
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw
 };
 

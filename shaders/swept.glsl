@@ -11,7 +11,7 @@ vec4 moved_sphere(uint since, uint i) {
   const uint eye = shown_eye * FARSHADE_MAX_MOVED, group = 2 * FARSHADE_MAX_MOVED;
   vec4 sphere = frame.moved[FARSHADE_SINCE_NEWEST * group + eye + i];
   if (since == FARSHADE_SINCE_OLDER) sphere = frame.moved[FARSHADE_SINCE_OLDER * group + eye + i];
-  if (since == FARSHADE_SINCE_SURROUND) sphere = frame.moved[FARSHADE_SINCE_SURROUND * group + eye + i];
+  if (since == FARSHADE_SINCE_CUBE_MASK) sphere = frame.moved[FARSHADE_SINCE_CUBE_MASK * group + eye + i];
   return sphere;
 }
 

@@ -128,7 +128,8 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
   if (!options.json.empty() && options.json != "-")
     if (auto done = write_file_atomically(options.json, "{}\n"); !done) return done;
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
-  const AnswerInbox* const inbox = context.link && options.replay.empty() ? &context.link->inbox() : nullptr;
+  const FrameReceiver* const receiver =
+      context.link && options.replay.empty() ? &context.link->receiver() : nullptr;
   Progress progress(frames);
   const SteadyClock clock;
   const auto watch = [&](const FrameView& view) {
@@ -138,7 +139,7 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     }
     first(view);
     report.watch(view);
-    if (!options.timeline.empty()) timeline.add(view, inbox);
+    if (!options.timeline.empty()) timeline.add(view, receiver);
     const auto why = context.link ? context.link->goodbye() : std::nullopt;
     if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now(), why)) {
       progress.end();
@@ -209,7 +210,7 @@ Expected<void> print_plan(const Options& options) {
   if (!planned) return tl::unexpected(planned.error());
   const Scene& scene = planned->scene;
   const SceneLevels levels = levels_for(scene, planned->plan);
-  const Rigid<Stage, Eye> camera = viewpoint_of(scene, options.stand);
+  const Rigid<Stage, Eye> camera = viewpoint_of(scene, options.start_pose);
   const StereoView views = views_of({camera.rotation, camera.translation}, headset);
   const auto line = [](const char* what, const std::string& words) {
     fmt::print("  {:<12} {}\n", what, words);
@@ -308,9 +309,9 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   const RunReportOptions measuring =
       report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce);
   const FrameSettings settings{
-      .request = options.request, .carry_over = options.carry_over, .report = report_for(measuring)};
+      .request = options.request, .reprojection = options.reprojection, .report = report_for(measuring)};
   if (compiles_ahead(options, frames))
-    compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
+    compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");

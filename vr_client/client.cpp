@@ -8,9 +8,9 @@
 
 #include "stereo/announce/find_server.h"
 #include "stereo/base/user_folders.h"
-#include "stereo/detail/level_cache.h"
 #include "stereo/exposure/chosen_exposure.h"
 #include "stereo/gpu/pipeline_cache.h"
+#include "stereo/lod/level_cache.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/lighting.h"
@@ -21,7 +21,7 @@ namespace farshade {
 namespace {
 
 /// If the server does not answer a hello within this time, the client starts without it.
-constexpr Duration kMeetTimeout = std::chrono::seconds(3);
+constexpr Duration kConnectTimeout = std::chrono::seconds(3);
 
 /// In real time, the depth of a requested view is kept for this long; in a preview, kWorstPreviewPath_ms
 /// longer. Masks that arrive later cannot be used.
@@ -36,7 +36,7 @@ RendererLimits renderer_limits(const Options& options) {
       has_guard_band(mode) && (options.preview || options.request.guard_band == GuardBandUse::Measured);
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
-          .depth_frames = carries_over(mode) ? frames_in_flight(options) : 1};
+          .depth_frames = reprojects_masks(mode) ? frames_in_flight(options) : 1};
 }
 
 Expected<std::string> server_address(const std::string& server) {
@@ -93,18 +93,18 @@ std::uint32_t frames_in_flight(const Options& options) {
          4;
 }
 
-/// Only mode hybrid requests a surround, and only a reprojection can look it up. The viewer of a preview may
+/// Only mode hybrid requests a cube mask, and only a reprojection can look it up. The viewer of a preview may
 /// switch the reprojection on.
-bool needs_surround(const Options& options) {
+bool needs_cube_mask(const Options& options) {
   return options.mode.mode == Mode::Hybrid &&
-         (options.preview || options.carry_over.lookup == Lookup::Reproject);
+         (options.preview || options.reprojection.lookup == Lookup::Reproject);
 }
 
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {
   return {.kind = options.plan.kind,
           .two_views = eye_distance_m != 0,
-          .carries_over = carries_over(options.mode.mode),
-          .surround = needs_surround(options),
+          .reprojects = reprojects_masks(options.mode.mode),
+          .cube_mask = needs_cube_mask(options),
           .detail_px = options.detail_px.value_or(default_detail_px(options.mode.mode))};
 }
 
@@ -203,31 +203,32 @@ Expected<void> greet(const Options& options, Client& client, LinkListener listen
                                                answers_for(options.mode.mode)},
                                     frames_in_flight(options));
   client.link->tell(std::move(listener));
-  const Stopwatch meeting;
-  Expected<void> met = client.link->meet(kMeetTimeout);
-  if (met) client.round_trip = meeting.elapsed() / 2;  // a handshake takes two round trips
-  if (met && options.size.pixels() > client.link->inbox().most_pixels())
+  const Stopwatch connecting;
+  Expected<void> connected = client.link->connect(kConnectTimeout);
+  if (connected) client.round_trip = connecting.elapsed() / 2;  // a handshake takes two round trips
+  if (connected && options.size.pixels() > client.link->receiver().most_pixels())
     return fail(
         Fault::OutOfRange,
         fmt::format("the server traces at most {} pixels per eye (rt_server --pixels), but {}x{} are {}: "
                     "choose a smaller {}",
-                    client.link->inbox().most_pixels(), options.size.width, options.size.height,
+                    client.link->receiver().most_pixels(), options.size.width, options.size.height,
                     options.size.pixels(), options.device.maker ? "--xr-scale" : "--size"));
-  return met;
+  return connected;
 }
 
-/// Lets a client start whose link has met nobody, unless the server has refused it.
-Expected<void> allow_silence(const Client& client, Expected<void> met) {
-  const bool keeps_trying = !met && client.link && !client.link->refused() &&
-                            (met.error().fault == Fault::Missing || met.error().fault == Fault::Unavailable);
-  if (!keeps_trying) return met;
-  spdlog::warn("{}; the client starts without its shadows and keeps trying", met.error().what);
+/// Lets a client start whose link is not connected, unless the server has refused it.
+Expected<void> allow_silence(const Client& client, Expected<void> connected) {
+  const bool keeps_trying =
+      !connected && client.link && !client.link->refused() &&
+      (connected.error().fault == Fault::Missing || connected.error().fault == Fault::Unavailable);
+  if (!keeps_trying) return connected;
+  spdlog::warn("{}; the client starts without its shadows and keeps trying", connected.error().what);
   return {};
 }
 
 }  // namespace
 
-Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
+Expected<void> connect(const Options& options, Client& client, LinkListener listener) {
   client.link.reset();
   return allow_silence(client, greet(options, client, std::move(listener)));
 }
@@ -242,23 +243,23 @@ Expected<void> open_link(const Options& options, Client& client, const LinkListe
   if (!model) return tl::unexpected(model.error());
   const auto servers = server_address(options.server).and_then(resolve_udp);
   if (!servers) return tl::unexpected(servers.error());
-  Expected<void> met;
+  Expected<void> connected;
   for (const Peer& server : *servers) {
     Expected<UdpClient> udp = connect_udp(server);
     if (!udp) {
-      met = tl::unexpected(udp.error());
+      connected = tl::unexpected(udp.error());
       continue;
     }
     client.link.reset();
     client.server = server;
     client.network = impaired(std::move(udp->port), *model, client.clock,
                               [&clock = client.clock](Time steady) { return clock.at(steady); });
-    met = greet(options, client, listener);
-    const bool is_silent = !met && client.link && met.error().fault == Fault::Missing;
+    connected = greet(options, client, listener);
+    const bool is_silent = !connected && client.link && connected.error().fault == Fault::Missing;
     if (!is_silent || server == servers->back()) break;
     spdlog::info("{} does not answer; trying the next address of {}", to_string(server), options.server);
   }
-  return allow_silence(client, std::move(met));
+  return allow_silence(client, std::move(connected));
 }
 
 void SessionKeeper::keep(Client& client) {
@@ -273,7 +274,7 @@ void SessionKeeper::keep(Client& client) {
 }
 
 Exposure settle_exposure(const Options& options, Client& client) {
-  const auto told = client.link ? client.link->inbox().exposure() : std::nullopt;
+  const auto told = client.link ? client.link->receiver().exposure() : std::nullopt;
   if (told && told != client.exposure)
     if (const std::string words = in_words(*told, client.scene.name); !words.empty())
       spdlog::info("the server says: {}", words);

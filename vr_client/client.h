@@ -93,7 +93,7 @@ void open_renderer(Client& client, const RendererLimits& limits);
                                        const LinkListener& listener = {});
 
 /// Opens a new session on the same socket. The masks of the old session are dropped.
-[[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});
+[[nodiscard]] Expected<void> connect(const Options& options, Client& client, LinkListener listener = {});
 
 /// Keeps the session with the server while no frame is shown, and so nothing is requested.
 class SessionKeeper {

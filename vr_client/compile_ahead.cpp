@@ -104,11 +104,11 @@ void compile_beside(const Client& client, const std::function<Steps(Renderer&)>&
 
 }  // namespace
 
-void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes,
+void compile_ahead(Client& client, const Reprojection& reprojection, PixelReport report, Changes changes,
                    const TellWaiting& tell) {
   const Stopwatch watch;
   const auto steps_of = [&](Renderer& renderer) {
-    return renderer.compile_steps(carry_over, report, changes);
+    return renderer.compile_steps(reprojection, report, changes);
   };
   {
     StepNumbers numbers;

@@ -17,7 +17,7 @@ using TellWaiting = std::function<void(const std::string&)>;
 /// Lavapipe compiles in its only queue, one pipeline after another. If there are more cores, a second device
 /// compiles the last pipelines meanwhile, and lavapipe's cache on disk brings them to the first device: from
 /// the beginning in the first start on a machine, otherwise once a step has taken long.
-void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes,
+void compile_ahead(Client& client, const Reprojection& reprojection, PixelReport report, Changes changes,
                    const TellWaiting& tell = {});
 
 }  // namespace farshade

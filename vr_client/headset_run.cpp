@@ -61,7 +61,7 @@ class HeadsetReport {
     if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
     if (report_) report_->watch(view), views_.push_back(view.shown.views);
     if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
-    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
+    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
     const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
     if (const auto news = silence_->add(view.shown.frame, view.silent_since, kSteadyClock.now(), why))
       spdlog::warn(*news);
@@ -153,7 +153,7 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over, report_of(options), Changes::Possible);
+    compile_ahead(**client, options.reprojection, report_of(options), Changes::Possible);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
@@ -248,7 +248,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   };
   Expected<std::unique_ptr<HeadsetRuntime>> runtime = HeadsetRuntime::open(
       system, client.device, client.renderer->shown(),
-      {.start = viewpoint_of(client.scene, options.stand),
+      {.start = viewpoint_of(client.scene, options.start_pose),
        .eye_size = options.size,
        .wants_to_end = wants_to_end,
        .idle =

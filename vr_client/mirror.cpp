@@ -38,7 +38,7 @@ Controls headset_controls(const Options& options, PixelReport least_report) {
   controls.mode = options.mode.mode;
   controls.modes = {options.mode.mode};
   controls.settings.request = options.request;
-  controls.settings.carry_over = options.carry_over;
+  controls.settings.reprojection = options.reprojection;
   controls.settings.report = controls.least_report = least_report;
   for (const Command command : kAbsent) controls.absent.set(static_cast<std::size_t>(command));
   return controls;

@@ -16,7 +16,7 @@
 #include "stereo/frame/view.h"
 #include "stereo/gpu/loader.h"
 #include "stereo/scene/lighting_options.h"
-#include "stereo/scene/stand_option.h"
+#include "stereo/scene/start_pose_option.h"
 #include "stereo/video/video.h"
 #include "stereo/wire/key_file.h"
 #include "vr_client/record/capture_file.h"
@@ -84,7 +84,7 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
       "and --stand is not given; camera: at the scene's reference camera (without one, in the middle "
       "of a room, or in front of an object); fit: near it, where the recorded walk fits, which is "
       "scaled down if it must be; recorded: where it was recorded");
-  add_stand_option(app, options.stand);
+  add_start_pose_option(app, options.start_pose);
   add_lighting_options(app, options.lighting);
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
   app.add_option(
@@ -130,7 +130,7 @@ void add_mode_options(CLI::App& app, CommandLine& line) {
   add_words<MaskCode>(
       app, "--mask-code", mode.mask_code, {{"range", MaskCode::Range}, {"lz4", MaskCode::Lz4}},
       "hybrid: how the server codes masks: range: parts that each decode alone; lz4: one LZ4 block of whole "
-      "views, of which all must arrive, without a surround, as a baseline to compare with");
+      "views, of which all must arrive, without a cube mask, as a baseline to compare with");
   app.add_option("--bitrate", line.video_megabits, "remote, delta: bit rate of the server's video, Mbit/s")
       ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
       ->capture_default_str();
@@ -172,17 +172,17 @@ void add_request_options(CLI::App& app, CommandLine& line) {
       ->default_str("");
 }
 
-void add_carry_over_options(CLI::App& app, CarryOver& carry_over) {
-  add_words<Lookup>(app, "--reprojection", carry_over.lookup,
+void add_reprojection_options(CLI::App& app, Reprojection& reprojection) {
+  add_words<Lookup>(app, "--reprojection", reprojection.lookup,
                     {{"on", Lookup::Reproject}, {"off", Lookup::Direct}},
                     "off: show old masks without reprojection, as a baseline to compare with");
-  add_words<Eyes>(app, "--eyes", carry_over.eyes, {{"both", Eyes::Both}, {"this", Eyes::This}},
+  add_words<Eyes>(app, "--eyes", reprojection.eyes, {{"both", Eyes::Both}, {"this", Eyes::This}},
                   "whose masks an eye may use: those of both eyes, or only its own");
-  add_words<Gaps>(app, "--gaps", carry_over.gaps,
+  add_words<Gaps>(app, "--gaps", reprojection.gaps,
                   {{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}},
                   "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown");
   add_words<Edges>(
-      app, "--edges", carry_over.edges,
+      app, "--edges", reprojection.edges,
       {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}},
       "the visibility at shadow edges: filtered is that of the pixel's centre; coverage is the lit "
       "part of the pixel, for smooth edges; nearest is the bit of one mask pixel");
@@ -337,7 +337,7 @@ Options checked(CommandLine line, const CLI::App& app) {
   if (options.trace.empty() && !may_move_itself && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
-  if (options.stand && options.place == Place::Recorded)
+  if (options.start_pose && options.place == Place::Recorded)
     throw CLI::ValidationError("--stand", "--place recorded keeps the recorded place: omit one of them");
   const Expected<Extent> size = parse_size(line.size);
   if (!size) throw CLI::ValidationError("--size", size.error().what);
@@ -397,7 +397,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_link_options(app, line.options);
   add_mode_options(app, line);
   add_request_options(app, line);
-  add_carry_over_options(app, line.options.carry_over);
+  add_reprojection_options(app, line.options.reprojection);
   add_output_options(app, line.options);
   add_headset_options(app, line.options);
   add_other_options(app, line);

@@ -8,11 +8,11 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/base/extent.h"
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/lighting.h"
-#include "stereo/scene/stand.h"
+#include "stereo/scene/start_pose.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
@@ -44,7 +44,7 @@ struct Options {
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them
   Place place = Place::Auto;
-  std::optional<Stand> stand;  ///< instead of the scene's viewpoint
+  std::optional<StartPose> start_pose;  ///< instead of the scene's viewpoint
   Lighting lighting;
   Extent size{512, 512};           ///< of each eye
   std::optional<float> detail_px;  ///< limit of the geometric error of what is drawn; 0: full detail
@@ -60,7 +60,7 @@ struct Options {
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;
   RequestSettings request;
-  CarryOver carry_over;
+  Reprojection reprojection;
   std::uint32_t reference_every = 1;    ///< 0 = never
   std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
   std::uint32_t pictures = 4;

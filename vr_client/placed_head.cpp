@@ -16,7 +16,7 @@ namespace {
 
 std::string where_words(const Options& options) {
   if (options.place == Place::Recorded) return "where it was recorded";
-  return options.stand ? "where --stand says" : "at the scene's viewpoint";
+  return options.start_pose ? "where --stand says" : "at the scene's viewpoint";
 }
 
 /// The poses that the run shows. A preview plays the whole recording.
@@ -33,8 +33,8 @@ Shown shown_part(const Options& options, const HeadRecording& recording) {
 /// A camera of the file may be inside geometry. Then the head stands where it would without that camera.
 Expected<Fit> fitted(const Options& options, const Scene& scene, const Surroundings& surroundings,
                      const HeadRecording& recording) {
-  if (options.stand)
-    return fit_head(surroundings, recording, viewpoint_of(scene, options.stand), Anchors::Reference);
+  if (options.start_pose)
+    return fit_head(surroundings, recording, viewpoint_of(scene, options.start_pose), Anchors::Reference);
   Expected<Fit> fit = fit_head(surroundings, recording, viewpoint_of(scene));
   return fit ? fit : fit_head(surroundings, recording, chosen_viewpoint(scene));
 }
@@ -42,14 +42,15 @@ Expected<Fit> fitted(const Options& options, const Scene& scene, const Surroundi
 /// At the viewpoint, or as recorded.
 PlacedHead plainly_placed(const Options& options, const Scene& scene, const HeadRecording& recording) {
   if (options.place == Place::Recorded) return {recording, {}};
-  return {recording, place(recording, viewpoint_of(scene, options.stand))};
+  return {recording, place(recording, viewpoint_of(scene, options.start_pose))};
 }
 
 std::string cure_for(const Options& options) {
-  const char* const stand = options.stand ? "--stand with another place" : "--stand X,Y,Z";
-  const bool may_fit = options.place == Place::Camera || options.place == Place::Recorded || options.stand;
-  return options.place == Place::Fit || !may_fit ? std::string(stand)
-                                                 : fmt::format("--place fit or {}", stand);
+  const char* const start_pose = options.start_pose ? "--stand with another place" : "--stand X,Y,Z";
+  const bool may_fit =
+      options.place == Place::Camera || options.place == Place::Recorded || options.start_pose;
+  return options.place == Place::Fit || !may_fit ? std::string(start_pose)
+                                                 : fmt::format("--place fit or {}", start_pose);
 }
 
 /// A way to place the head.
@@ -157,7 +158,7 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
     });
   Trial plain = placing.plain();
   std::string why;
-  if (options.place == Place::Auto && !options.stand && plain.placed.test.is_bad()) {
+  if (options.place == Place::Auto && !options.start_pose && plain.placed.test.is_bad()) {
     Expected<Trial> fit = placing.fitting();
     if (fit && Placing::bad_poses(*fit) < Placing::bad_poses(plain)) {
       why = fmt::format("; not moved, {}", in_words(plain.placed.test));
@@ -199,7 +200,7 @@ std::future<void> judge_start_meanwhile(const Options& options, const Scene& sce
     HeadRecording still;
     still.samples = {{}, {.time = Time(std::chrono::seconds(1)), .recorded_from_head = {}}};
     still.fov = kDefaultFov;
-    PlacedHead start{still, place(still, viewpoint_of(scene, options.stand))};
+    PlacedHead start{still, place(still, viewpoint_of(scene, options.start_pose))};
     judge_light(options, scene, *surroundings, start);
   });
 }

@@ -26,7 +26,7 @@ static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100), kHeldWait = kMinimisedWait;
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
-  const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene, options.stand);
+  const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene, options.start_pose);
   return {viewpoint.rotation, viewpoint.translation};
 }
 
@@ -54,7 +54,7 @@ Controls first_controls(const Options& options, const std::optional<PlacedHead>&
   controls.mode = options.mode.mode;
   controls.modes = modes_here();
   controls.settings.request = options.request;
-  controls.settings.carry_over = options.carry_over;
+  controls.settings.reprojection = options.reprojection;
   if (head) {
     controls.head = HeadSource::Recording;
     controls.eye_distance_m = head->recording.eye_distance_m;
@@ -186,10 +186,10 @@ class Preview {
     shown_.take_renderer();
     if (auto done = open_tracers(options_, mode, client_); !done) return done;
     if (draws_scene(mode))
-      compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible,
+      compile_ahead(client_, controls_.settings.reprojection, controls_.settings.report, Changes::Possible,
                     [this](const std::string& what) { tell_waiting(window_, what); });
     if (answers_for(mode) == 0) return {};
-    if (client_.network) return meet(options_, client_);
+    if (client_.network) return connect(options_, client_);
     followed_.reset();
     return open_link(options_, client_);
   }
@@ -198,7 +198,7 @@ class Preview {
     client_.renderer->forget();
     LinkListener listener = recordings_.listen();
     if (client_.link)
-      if (auto met = meet(options_, client_, std::move(listener)); !met) return met;
+      if (auto connected = connect(options_, client_, std::move(listener)); !connected) return connected;
     settle_exposure(options_, client_);
     recordings_.begin_capture({}, header_of(options_, client_, policy()));
     return {};
@@ -253,7 +253,7 @@ class Preview {
     Inspection& inspection = shown_.inspection();
     recordings_.watch(view, recordings_.writes_capture() ? &inspection.shown() : nullptr,
                       recordings_.records_frames() ? &inspection.displayed() : nullptr);
-    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
+    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
     shown_.add(view, options_.mode.mode);
     if (!std::exchange(started_, true)) {
       stages_.end("first frame");
@@ -362,7 +362,7 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible, tell);
+    compile_ahead(**client, options.reprojection, PixelReport::Off, Changes::Possible, tell);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return done;
   stages.end("tracers");

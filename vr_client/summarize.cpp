@@ -107,7 +107,7 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
 }
 
 Expected<void> check_answered(const Client& client, const FrameLog& log) {
-  if (!client.link || client.link->inbox().newest_known() != nullptr ||
+  if (!client.link || client.link->receiver().newest_known() != nullptr ||
       log.start_up_frames() < log.records().size())
     return {};
   return fail(

@@ -54,7 +54,7 @@ AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
   const TraceStats traced = context_.tracer.trace(request, frame_, job.is_given_up);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
-                           all_planes_known(frame_.masks[eye].layout()));
+                           all_planes_received(frame_.masks[eye].layout()));
   mask_.emplace(TracedMask{request.frame, request.display_time, request.scene_time, frame_.views,
                            frame_.masks, all_known_, ++drawn_, frame_.light_set_revision});
   state_.emplace(state_at(context_.scene, request.scene_time, request.lights));
@@ -62,7 +62,7 @@ AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
   const ShownFrame shown{.views = request.views,
                          .state = *state_,
                          .masks = {&*mask_, 1},
-                         .carry_over = {.lookup = Lookup::Direct}};
+                         .reprojection = {.lookup = Lookup::Direct}};
   go_on_with(job);
   const DrawTimes drawn = renderer.draw(shown);
   return {renderer, frame_, shown, {.traced = traced, .draw = drawn.total}};

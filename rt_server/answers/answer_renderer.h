@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "rt_server/answers/answers.h"
+#include "rt_server/answers/fair_lru_cache.h"
 #include "rt_server/answers/rebuilds.h"
-#include "rt_server/answers/recent.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
 
@@ -39,7 +39,7 @@ class AnswerRenderer {
 
   AnswerContext context_;
   std::optional<gpu::Device> device_;
-  using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
+  using Renderers = FairLruCache<Extent, std::unique_ptr<Renderer>>;
   static constexpr std::size_t kRenderers = 64;  ///< beside the limit of their memory
   [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 4}; }
   Renderers renderers_ = no_renderers();
@@ -49,7 +49,7 @@ class AnswerRenderer {
   std::size_t scene_bytes_ = 0;
   Rebuilds rebuilds_;
   ShadowFrame frame_;
-  PerEye<KnownTiles> all_known_;
+  PerEye<ReceivedTiles> all_known_;
   std::optional<TracedMask> mask_;
   std::optional<SceneState> state_;
   std::uint64_t drawn_ = 0;

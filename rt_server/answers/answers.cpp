@@ -16,7 +16,7 @@ namespace {
 
 /// Which lights each pixel of the requested views sees, or those lights and blocks that the request asks for.
 /// Blocks whose AskSlice has not come are neither traced nor sent.
-class Masks final : public AnswerMaker {
+class Masks final : public RequestHandler {
  public:
   explicit Masks(Tracer& tracer) : tracer_(tracer) {}
 
@@ -29,7 +29,7 @@ class Masks final : public AnswerMaker {
     if (is_whole)
       packer.add(frame_);
     else
-      packer.add(frame_, request_.asked, {come_[0], come_[1]});
+      packer.add(frame_, request_.requested, {come_[0], come_[1]});
     return {.traced = traced};
   }
 
@@ -44,55 +44,55 @@ class Masks final : public AnswerMaker {
   }
 
   void unpack(std::span<const std::vector<std::byte>> messages) {
-    request_.asked.lights = tracer_.layout().lights;
+    request_.requested.lights = tracer_.layout().lights;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const std::uint32_t tiles = TileGrid{request_.views[eye].size}.count();
-      request_.asked.tiles[eye].assign(tiles, {});
+      request_.requested.tiles[eye].assign(tiles, {});
       come_[eye].assign(tiles, 0);
     }
     for (const std::vector<std::byte>& message : messages) {
       const Decoded<ClientMessage> decoded = decode_client(message);
       const auto* const slice = decoded ? std::get_if<AskSlice>(&*decoded) : nullptr;
-      if (slice == nullptr || slice->lights != request_.asked.lights ||
+      if (slice == nullptr || slice->lights != request_.requested.lights ||
           slice->size != request_.views[index_of(slice->eye)].size)
         continue;
       const std::size_t eye = index_of(slice->eye);
       // Of a slice that is damaged, or overlaps an earlier one, no tile has come.
-      static_cast<void>(decode_ask_slice(*slice, request_.asked.tiles[eye], come_[eye]));
+      static_cast<void>(decode_ask_slice(*slice, request_.requested.tiles[eye], come_[eye]));
     }
   }
 
   Tracer& tracer_;
   FrameRequest request_;
-  PerEye<KnownTiles> come_;  ///< the tiles whose AskSlice has come
+  PerEye<ReceivedTiles> come_;  ///< the tiles whose AskSlice has come
   ShadowFrame frame_;
 };
 
 }  // namespace
 
-AnswerMakers make_answers(const AnswerContext& context) {
-  AnswerMakers makers;
-  makers.add(Answer::Masks, make_masks(context.tracer));
-  makers.add(Answer::Surround, make_masks(context.tracer));
-  makers.add(Answer::MasksOfPositions, make_position_masks(context));
+RequestHandlers make_answers(const AnswerContext& context) {
+  RequestHandlers handlers;
+  handlers.add(Answer::Masks, make_masks(context.tracer));
+  handlers.add(Answer::CubeMask, make_masks(context.tracer));
+  handlers.add(Answer::MasksOfPositions, make_position_masks(context));
 
   const auto renderer = std::make_shared<AnswerRenderer>(context);
   if (const Expected<void> can = renderer->can_draw(); !can) {
     spdlog::info("pictures are not offered: {}", can.error().what);
-    return makers;
+    return handlers;
   }
   const auto recovery = std::make_shared<DeviceRecovery>([renderer] { return renderer->reopen(); });
-  makers.add(Answer::GBuffer, recovering(make_gbuffer(renderer), recovery));
+  handlers.add(Answer::GBuffer, recovering(make_gbuffer(renderer), recovery));
   if (!has_video()) {
     spdlog::info("video is not offered: {}", video_version());
-    return makers;
+    return handlers;
   }
-  makers.add(Answer::Video, recovering(make_video(renderer), recovery));
-  makers.add(Answer::Difference, recovering(make_difference(renderer), recovery));
-  return makers;
+  handlers.add(Answer::Video, recovering(make_video(renderer), recovery));
+  handlers.add(Answer::Difference, recovering(make_difference(renderer), recovery));
+  return handlers;
 }
 
-std::unique_ptr<AnswerMaker> make_masks(Tracer& tracer) {
+std::unique_ptr<RequestHandler> make_masks(Tracer& tracer) {
   return std::make_unique<Masks>(tracer);
 }
 

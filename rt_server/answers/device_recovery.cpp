@@ -7,18 +7,18 @@
 namespace farshade {
 namespace {
 
-class Recovering final : public AnswerMaker {
+class Recovering final : public RequestHandler {
  public:
-  Recovering(std::unique_ptr<AnswerMaker> maker, std::shared_ptr<DeviceRecovery> recovery)
-      : recovery_(std::move(recovery)), maker_(std::move(maker)) {}
+  Recovering(std::unique_ptr<RequestHandler> handler, std::shared_ptr<DeviceRecovery> recovery)
+      : recovery_(std::move(recovery)), handler_(std::move(handler)) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    return recovery_->answer(*maker_, job, packer);
+    return recovery_->answer(*handler_, job, packer);
   }
 
  private:
   std::shared_ptr<DeviceRecovery> recovery_;
-  std::unique_ptr<AnswerMaker> maker_;
+  std::unique_ptr<RequestHandler> handler_;
 };
 
 [[noreturn]] void give_up(const std::string& why) {
@@ -28,9 +28,9 @@ class Recovering final : public AnswerMaker {
 
 }  // namespace
 
-AnswerCost DeviceRecovery::answer(AnswerMaker& maker, const Job& job, FramePacker& packer) {
+AnswerCost DeviceRecovery::answer(RequestHandler& handler, const Job& job, FramePacker& packer) {
   try {
-    const AnswerCost cost = maker.answer(job, packer);
+    const AnswerCost cost = handler.answer(job, packer);
     losses_ = 0;
     return cost;
   } catch (const vk::DeviceLostError& lost) {
@@ -42,9 +42,9 @@ AnswerCost DeviceRecovery::answer(AnswerMaker& maker, const Job& job, FramePacke
   }
 }
 
-std::unique_ptr<AnswerMaker> recovering(std::unique_ptr<AnswerMaker> maker,
-                                        std::shared_ptr<DeviceRecovery> recovery) {
-  return std::make_unique<Recovering>(std::move(maker), std::move(recovery));
+std::unique_ptr<RequestHandler> recovering(std::unique_ptr<RequestHandler> handler,
+                                           std::shared_ptr<DeviceRecovery> recovery) {
+  return std::make_unique<Recovering>(std::move(handler), std::move(recovery));
 }
 
 }  // namespace farshade

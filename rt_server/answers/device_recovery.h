@@ -5,12 +5,12 @@
 #include <functional>
 #include <memory>
 
-#include "rt_server/core/answer_makers.h"
+#include "rt_server/core/request_handlers.h"
 #include "stereo/base/expected.h"
 
 namespace farshade {
 
-/// Shared by all makers that draw on the same device.
+/// Shared by all handlers that draw on the same device.
 class DeviceRecovery {
  public:
   /// After so many losses without an answer between them the device is given up.
@@ -19,18 +19,18 @@ class DeviceRecovery {
   /// `reopen` closes the device with everything made on it, and opens a device again.
   explicit DeviceRecovery(std::function<Expected<void>()> reopen) : reopen_(std::move(reopen)) {}
 
-  /// Lets `maker` answer `job`. If the device is lost (vk::DeviceLostError), reopens it, and throws
+  /// Lets `handler` answer `job`. If the device is lost (vk::DeviceLostError), reopens it, and throws
   /// std::runtime_error: this request gets no answer, the next one does. Throws AnswersLost with all drawn
   /// answers if the device cannot be opened again, or was lost kMostLosses times in a row.
-  AnswerCost answer(AnswerMaker& maker, const Job& job, FramePacker& packer);
+  AnswerCost answer(RequestHandler& handler, const Job& job, FramePacker& packer);
 
  private:
   std::function<Expected<void>()> reopen_;
   int losses_ = 0;  ///< since the last answer
 };
 
-/// `maker`, called through `recovery`.
-[[nodiscard]] std::unique_ptr<AnswerMaker> recovering(std::unique_ptr<AnswerMaker> maker,
-                                                      std::shared_ptr<DeviceRecovery> recovery);
+/// `handler`, called through `recovery`.
+[[nodiscard]] std::unique_ptr<RequestHandler> recovering(std::unique_ptr<RequestHandler> handler,
+                                                         std::shared_ptr<DeviceRecovery> recovery);
 
 }  // namespace farshade

@@ -4,7 +4,7 @@
 namespace farshade {
 namespace {
 
-class GBufferAnswer final : public AnswerMaker {
+class GBufferAnswer final : public RequestHandler {
  public:
   explicit GBufferAnswer(std::shared_ptr<AnswerRenderer> renderer) : renderer_(std::move(renderer)) {}
 
@@ -28,7 +28,7 @@ class GBufferAnswer final : public AnswerMaker {
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_gbuffer(std::shared_ptr<AnswerRenderer> renderer) {
+std::unique_ptr<RequestHandler> make_gbuffer(std::shared_ptr<AnswerRenderer> renderer) {
   return std::make_unique<GBufferAnswer>(std::move(renderer));
 }
 

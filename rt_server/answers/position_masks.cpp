@@ -8,7 +8,7 @@
 namespace farshade {
 namespace {
 
-class PositionMasks final : public AnswerMaker {
+class PositionMasks final : public RequestHandler {
  public:
   explicit PositionMasks(const AnswerContext& context) : bounds_(context.scene), tracer_(context.tracer) {}
 
@@ -62,14 +62,14 @@ class PositionMasks final : public AnswerMaker {
   MovingBounds bounds_;
   Tracer& tracer_;
   PerEye<PositionPlanes> positions_;
-  PerEye<std::array<KnownTiles, 3>> known_;
-  PerEye<KnownTiles> sent_;
+  PerEye<std::array<ReceivedTiles, 3>> known_;
+  PerEye<ReceivedTiles> sent_;
   ShadowFrame frame_;
 };
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& context) {
+std::unique_ptr<RequestHandler> make_position_masks(const AnswerContext& context) {
   return std::make_unique<PositionMasks>(context);
 }
 

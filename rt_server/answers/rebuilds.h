@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "rt_server/core/answer_makers.h"
+#include "rt_server/core/request_handlers.h"
 #include "rt_server/core/token_bucket.h"
 
 namespace farshade {

@@ -70,7 +70,7 @@ Eyes shadow_difference(const AnswerRenderer::RenderedAnswer& drawn) {
   return eyes;
 }
 
-class CodedAnswer final : public AnswerMaker {
+class CodedAnswer final : public RequestHandler {
  public:
   CodedAnswer(std::shared_ptr<AnswerRenderer> renderer,
               Eyes (*picture)(const AnswerRenderer::RenderedAnswer&))
@@ -96,11 +96,11 @@ class CodedAnswer final : public AnswerMaker {
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_video(std::shared_ptr<AnswerRenderer> renderer) {
+std::unique_ptr<RequestHandler> make_video(std::shared_ptr<AnswerRenderer> renderer) {
   return std::make_unique<CodedAnswer>(std::move(renderer), with_shadows);
 }
 
-std::unique_ptr<AnswerMaker> make_difference(std::shared_ptr<AnswerRenderer> renderer) {
+std::unique_ptr<RequestHandler> make_difference(std::shared_ptr<AnswerRenderer> renderer) {
   return std::make_unique<CodedAnswer>(std::move(renderer), shadow_difference);
 }
 

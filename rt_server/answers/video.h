@@ -1,8 +1,8 @@
 /// Streams: the video encoder of each session, and the frame that its next picture is coded after.
 #pragma once
 
+#include "rt_server/answers/fair_lru_cache.h"
 #include "rt_server/answers/rebuilds.h"
-#include "rt_server/answers/recent.h"
 #include "rt_server/core/session.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/video/video.h"
@@ -30,7 +30,7 @@ class Streams {
   static constexpr std::size_t kStreams = 64;
   /// Memory of an encoder, and of a pixel of both eyes (answers_bench: together 2.1 MiB at 2 x 128x128).
   static constexpr std::size_t kEncoder_bytes = std::size_t{2} << 20, kPixel_bytes = 16;
-  Recent<std::uint64_t, Stream> streams_;
+  FairLruCache<std::uint64_t, Stream> streams_;
   Rebuilds rebuilds_;
 };
 

@@ -45,14 +45,14 @@ std::string_view name_of(LightKind kind) {
 /// Everything that is told, in the order of the text.
 ordered_json facts_of(const Scene& file, const Lighting& lighting, const LitScene& lit) {
   const Scene& scene = lit.scene;
-  const auto [planned, plan] = plan_scene(scene, {.surround = false});
+  const auto [planned, plan] = plan_scene(scene, {.cube_mask = false});
   const glm::dvec3 size = scene.bounds.high - scene.bounds.low;
   std::uint64_t texture_pixels = 0;
   for (const Texture& texture : scene.textures) texture_pixels += texture.image.size.pixels();
   ordered_json lights = ordered_json::array();
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const LightSource& light = scene.lights[i];
-    const bool casts = plan.lights[i] == LightFate::Casts;
+    const bool casts = plan.lights[i] == LightStatus::Casts;
     lights.push_back({{"name", light.name},
                       {"kind", name_of(light.kind)},
                       {"intensity", list(glm::dvec3(light.intensity))},

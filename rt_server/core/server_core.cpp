@@ -93,7 +93,7 @@ std::string counters_line(const ServerCounters& counters) {
                             {sessions.revoked, "ended because their key was taken out of the ring"},
                             {sessions.expired, "ended because their key has expired"},
                             {sessions.moved, "moved"},
-                            {sessions.lied, "that reported what was never sent"}}) +
+                            {sessions.false_reports, "that reported what was never sent"}}) +
          group("paths", {{sessions.widened, "found to carry larger datagrams"},
                          {sessions.black_holes, "stopped to carry large datagrams"}}) +
          group("frames", {{sessions.held_back, "slowed by --bytes-per-second"},
@@ -108,7 +108,7 @@ std::string rays_line(const TraceStats& traced) {
       traced.out_of_range, traced.out_of_cone, traced.proven);
 }
 
-ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers,
+ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, RequestHandlers answers,
                        DatagramPort& port, const Clock& clock, const SessionLimits& limits)
     : port_(port),
       clock_(clock),

@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "rt_server/core/answer_makers.h"
+#include "rt_server/core/request_handlers.h"
 #include "rt_server/core/sessions.h"
 
 namespace farshade {
@@ -44,7 +44,7 @@ class ServerCore {
  public:
   /// `served` describes the scene to clients; its `answers` are replaced by what `answers` offers. Clients
   /// need a key of `ring`. `port` and `clock` must outlive the core.
-  ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers, DatagramPort& port,
+  ServerCore(Welcome served, const std::vector<SharedKey>& ring, RequestHandlers answers, DatagramPort& port,
              const Clock& clock, const SessionLimits& limits = {});
 
   /// Waits at most `wait` for the next datagram, processes it, and sends the reply if it has one (handshake,
@@ -104,7 +104,7 @@ class ServerCore {
   const Clock& clock_;
 
   // Used by the thread that calls work().
-  AnswerMakers answers_;
+  RequestHandlers answers_;
   FramePacker packer_;
   std::atomic<std::uint64_t> frames_ = 0, given_up_ = 0, rebuilt_too_often_ = 0, out_of_memory_ = 0;
   std::atomic<Time> next_look_{};    ///< of is_given_up()

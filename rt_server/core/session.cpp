@@ -151,9 +151,9 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
   if (from == candidate_ && probe_echo == probe_token_) {
     client_ = from;
     candidate_.reset();
-    const bool was_lied_to = rate_.was_lied_to();
+    const bool got_false_report = rate_.got_false_report();
     rate_ = RateControl(limits_);  // nothing is known about the new path, but about the client
-    if (was_lied_to) rate_.distrust();
+    if (got_false_report) rate_.distrust();
     path_mtu_ = PathMtu();
     return;
   }
@@ -197,7 +197,7 @@ std::optional<ReceivedMessage> ClientSession::refuse_request(const FrameRequest&
 }
 
 std::optional<Job>& ClientSession::waiting_for(const FrameRequest& request) {
-  return request.answer.kind == Answer::Surround ? waiting_surround_[pair_of(request.frame)] : waiting_;
+  return request.answer.kind == Answer::CubeMask ? waiting_cube_mask_[pair_of(request.frame)] : waiting_;
 }
 
 ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) {
@@ -206,19 +206,19 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
   const Answer answer = message.request.answer.kind;
-  const bool is_surround = answer == Answer::Surround;
-  std::optional<FrameId>& newest = is_surround ? newest_surround_[pair_of(frame)] : newest_;
+  const bool is_cube_mask = answer == Answer::CubeMask;
+  std::optional<FrameId>& newest = is_cube_mask ? newest_cube_mask_[pair_of(frame)] : newest_;
   if (newest && !is_newer(frame, *newest)) return ReceivedMessage::Outdated;
   // A request that is refused leaves nothing behind that later ones are compared with.
   if (const std::optional<ReceivedMessage> why = refuse_request(message.request)) return *why;
-  if (!is_surround) update_interval(message.request, now);
+  if (!is_cube_mask) update_interval(message.request, now);
   newest = frame;
   std::optional<Job>& waiting = waiting_for(message.request);
   const bool superseded = waiting.has_value();
   if (superseded) ++superseded_;
   waiting = Job{.session = id_, .key = key_, .request = message.request, .arrived = now};
   waiting->request.lights = lights_;
-  if (!is_surround) {
+  if (!is_cube_mask) {
     requested_answer_ = answer;
     parts_bytes_ = 0;
     tiles_left_ = tiles_of(message.request);
@@ -264,11 +264,11 @@ bool ClientSession::is_complete() const {
 }
 
 /// The pair whose request has waited longest.
-std::optional<std::size_t> ClientSession::oldest_surround() const {
+std::optional<std::size_t> ClientSession::oldest_cube_mask() const {
   std::optional<std::size_t> oldest;
-  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
-    if (waiting_surround_[pair] && (!oldest || is_newer(waiting_surround_[*oldest]->request.frame,
-                                                        waiting_surround_[pair]->request.frame)))
+  for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair)
+    if (waiting_cube_mask_[pair] && (!oldest || is_newer(waiting_cube_mask_[*oldest]->request.frame,
+                                                         waiting_cube_mask_[pair]->request.frame)))
       oldest = pair;
   return oldest;
 }
@@ -279,20 +279,20 @@ bool ClientSession::is_late() const {
 }
 
 std::optional<Time> ClientSession::ready_at() const {
-  const bool any_surround = oldest_surround().has_value();
-  if ((!outbox_.empty() && !is_late()) || (!waiting_ && !any_surround)) return std::nullopt;
-  return any_surround || is_complete() ? outbox_.drained_at()
-                                       : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
+  const bool any_cube_mask = oldest_cube_mask().has_value();
+  if ((!outbox_.empty() && !is_late()) || (!waiting_ && !any_cube_mask)) return std::nullopt;
+  return any_cube_mask || is_complete() ? outbox_.drained_at()
+                                        : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
 }
 
-/// A request for the surround is taken before another one only if that is not complete yet, or if enough
+/// A request for the cube mask is taken before another one only if that is not complete yet, or if enough
 /// others have overtaken it.
 Job ClientSession::take_job() {
-  const std::optional<std::size_t> pair = oldest_surround();
-  job_is_surround_ = pair && (!is_complete() || overtaken_ >= kMostOvertaking);
-  std::optional<Job>& waiting = job_is_surround_ ? waiting_surround_[*pair] : waiting_;
+  const std::optional<std::size_t> pair = oldest_cube_mask();
+  job_is_cube_mask_ = pair && (!is_complete() || overtaken_ >= kMostOvertaking);
+  std::optional<Job>& waiting = job_is_cube_mask_ ? waiting_cube_mask_[*pair] : waiting_;
   Job job = std::move(*std::exchange(waiting, std::nullopt));
-  overtaken_ = pair && !job_is_surround_ ? overtaken_ + 1 : 0;
+  overtaken_ = pair && !job_is_cube_mask_ ? overtaken_ + 1 : 0;
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
   job.view_scale = quality_.view_scale();
@@ -303,7 +303,7 @@ Job ClientSession::take_job() {
 
 void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end) {
   const auto spread =
-      job_is_surround_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
+      job_is_cube_mask_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
@@ -314,7 +314,7 @@ void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, 
   planned_end_ = outbox_.ends_at(rate_.sending_bytes_per_second());
   if (end == JobEnd::GivenUp)
     quality_.was_too_costly(now);
-  else if (!job_is_surround_)
+  else if (!job_is_cube_mask_)
     quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 

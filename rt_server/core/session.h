@@ -9,7 +9,7 @@
 #include <string>
 
 #include "rt_server/core/quality.h"
-#include "stereo/frame/surround.h"
+#include "stereo/frame/cube_mask.h"
 #include "stereo/net/datagram.h"
 #include "stereo/net/path_mtu.h"
 #include "stereo/net/rate_control.h"
@@ -142,14 +142,14 @@ class ClientSession {
 
   [[nodiscard]] bool has_requested() const {
     return newest_ ||
-           std::ranges::any_of(newest_surround_, [](const auto& frame) { return frame.has_value(); });
+           std::ranges::any_of(newest_cube_mask_, [](const auto& frame) { return frame.has_value(); });
   }
   /// The kind of answer that the last accepted request wants; none before the first.
   [[nodiscard]] std::optional<Answer> requested_answer() const { return requested_answer_; }
   /// From now on accepts only requests for `answers`.
   void offer(AnswerSet answers) { answers_ = answers; }
 
-  /// A request for the surround is taken before another one only if so many others have overtaken it.
+  /// A request for the cube mask is taken before another one only if so many others have overtaken it.
   static constexpr std::uint32_t kMostOvertaking = 3;
 
   /// When the path has become slower, a newer frame overtakes an older one that would end this much later
@@ -175,7 +175,7 @@ class ClientSession {
   Turn turn;
 
   /// Queues the messages of an answer. They leave evenly over a share of the frame interval; those of the
-  /// surround, which delay the next answer, as fast as the path takes them.
+  /// cube mask, which delay the next answer, as fast as the path takes them.
   void put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end = JobEnd::Answered);
 
   /// When seal_due() has a message to send.
@@ -192,7 +192,7 @@ class ClientSession {
   [[nodiscard]] std::uint64_t overtaken() const { return frames_overtaken_; }
   /// The client has reported the arrival of a datagram that was never sent. Since then it gets the least
   /// rate.
-  [[nodiscard]] bool was_lied_to() const { return rate_.was_lied_to(); }
+  [[nodiscard]] bool got_false_report() const { return rate_.got_false_report(); }
   /// The largest datagram that the path to the client's present address is known to carry, in bytes.
   [[nodiscard]] std::size_t most_datagram_bytes() const { return path_mtu_.bytes(); }
   /// Times that the path to the client's present address stopped to carry large datagrams.
@@ -205,7 +205,7 @@ class ClientSession {
   ReceivedMessage receive(const RequestMessage& message, Time now);
   [[nodiscard]] std::optional<ReceivedMessage> refuse_request(const FrameRequest& request) const;
   [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
-  [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
+  [[nodiscard]] std::optional<std::size_t> oldest_cube_mask() const;
   [[nodiscard]] bool is_complete() const;
   [[nodiscard]] bool is_late() const;
   template <class TileSlice>
@@ -240,11 +240,11 @@ class ClientSession {
   Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
   Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};
-  /// Requests for the surround wait apart, so that they and the others do not replace each other; one of each
-  /// pair.
-  std::array<std::optional<Job>, kSurroundPairs> waiting_surround_{};
-  std::array<std::optional<FrameId>, kSurroundPairs> newest_surround_{};
-  std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited
+  /// Requests for the cube mask wait apart, so that they and the others do not replace each other; one of
+  /// each pair.
+  std::array<std::optional<Job>, kCubeMaskPairs> waiting_cube_mask_{};
+  std::array<std::optional<FrameId>, kCubeMaskPairs> newest_cube_mask_{};
+  std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the cube mask's waited
   std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
   std::size_t tiles_left_ = 0;   ///< that further parts may have: the worker decodes each
   Time part_arrived_{};          ///< arrival of the newest of them, or of their request
@@ -257,7 +257,7 @@ class ClientSession {
   PathMtu path_mtu_;
   Quality quality_;
   ViewScale job_scale_{};  ///< as advised when the job in work was taken
-  bool job_is_surround_ = false;
+  bool job_is_cube_mask_ = false;
   std::uint64_t held_back_ = 0, frames_overtaken_ = 0;
   std::uint32_t until_gap_;  ///< datagrams to the next counter that is left out
   std::vector<std::byte> message_;

@@ -225,14 +225,14 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   const bool first = !session->is_confirmed();
   const Peer client_before = session->client();
   const std::size_t before = session->bytes();
-  const bool was_lied_to = session->was_lied_to();
+  const bool got_false_report = session->got_false_report();
   const std::uint64_t holes_before = session->black_holes();
   const std::size_t carried_before = session->most_datagram_bytes();
   const Decoded<ReceivedMessage> received =
       session->receive(from, sealed, datagram, now, answer, room_for(session->key()));
   hold(*session, before);
   if (session->client() != client_before) ++counters_.moved;
-  if (session->was_lied_to() && !was_lied_to) ++counters_.lied;
+  if (session->got_false_report() && !got_false_report) ++counters_.false_reports;
   if (session->black_holes() > holes_before) ++counters_.black_holes;
   if (session->most_datagram_bytes() > carried_before) ++counters_.widened;
   if (received == ReceivedMessage::Left) {

@@ -159,25 +159,26 @@ void SceneSender::serve(Connection& connection, TcpStream stream) {
     const std::lock_guard lock(mutex_);
     ring = ring_;
   }
-  Expected<SealedStream> met =
+  Expected<SealedStream> connected =
       SealedStream::admit(std::move(stream), StreamPurpose::SceneFetch, ring, what_.served, first);
   bool is_proved = false;
-  while (met) {
-    const auto message = met->receive(is_proved ? within(connection, limits_.silence) : first);
+  while (connected) {
+    const auto message = connected->receive(is_proved ? within(connection, limits_.silence) : first);
     const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
     if (!request) break;
-    if (!is_proved && !promote(connection, ring.at(met->key()))) {
-      static_cast<void>(refuse_fetch(*met, FetchRefusal::Busy, first));
+    if (!is_proved && !promote(connection, ring.at(connected->key()))) {
+      static_cast<void>(refuse_fetch(*connected, FetchRefusal::Busy, first));
       return;
     }
     is_proved = true;
-    if (!answer(*met, *request, connection)) break;
+    if (!answer(*connected, *request, connection)) break;
   }
   const std::lock_guard lock(mutex_);
   if (is_proved) return;
   ++counters_.unproved;
-  if (met || met.error().fault != Fault::Mismatch) return;
-  if (const auto line = refused_.failed(met.error().what, SteadyClock().now())) spdlog::warn("{}", *line);
+  if (connected || connected.error().fault != Fault::Mismatch) return;
+  if (const auto line = refused_.failed(connected.error().what, SteadyClock().now()))
+    spdlog::warn("{}", *line);
 }
 
 Expected<void> SceneSender::send_offer(SealedStream& stream, const Connection& connection) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "stereo/detail/level_choice.h"
 #include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/renderer.h"
@@ -11,6 +10,7 @@
 #include "stereo/draw/shading_layout.h"
 #include "stereo/draw/shadow_map_views.h"
 #include "stereo/image/mip_levels.h"
+#include "stereo/lod/level_choice.h"
 
 namespace farshade {
 namespace {
@@ -49,21 +49,21 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels();
-  const CarryBytes carry = carry_bytes(plan, limits.traced_size);
-  const std::size_t passes = plan.depth_pass ? (2 + most_surround(plan)) : 1;
+  const RequestReprojectionBytes reprojection = request_reprojection_bytes(plan, limits.traced_size);
+  const std::size_t passes = plan.depth_pass ? (2 + most_cube_mask_pairs(plan)) : 1;
   using gpu::Use;
   gpu::BytesByUse memory;
   add_scene(scene, plan, levels, memory);
   memory[Use::Frame] =
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
   memory[Use::Frame] += deformed_bytes(scene, plan);
-  memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
+  memory[Use::GBuffer] = pixels * (4 + (reprojects_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
-  if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
-  if (most_surround(plan) > 0)
-    memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * (kSurroundSlots + 1) * 4;
-  memory[Use::Masks] =
-      shading.all_words(plan) + shading.all_known(plan) + kEyes * carry.quads + carry.carried + carry.unknown;
+  if (reprojection.reprojected > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
+  if (most_cube_mask_pairs(plan) > 0)
+    memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * (kCubeMaskSlots + 1) * 4;
+  memory[Use::Masks] = shading.all_words(plan) + shading.all_known(plan) + kEyes * reprojection.quads +
+                       reprojection.reprojected + reprojection.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;
   memory[Use::Lists] = shading.lists;
   memory[Use::Shown] = pixels * 4;

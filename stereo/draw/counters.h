@@ -2,10 +2,10 @@
 /// does not use.
 #pragma once
 
-#include "stereo/detail/levels.h"
 #include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/view.h"
 #include "stereo/gpu/ledger.h"
+#include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {

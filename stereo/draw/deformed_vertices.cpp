@@ -23,7 +23,7 @@ std::size_t pose_bytes(const Scene& scene) {
 }
 
 std::size_t poses_of(const DrawPlan& plan) {
-  return 1u + (plan.depth_pass ? 1u : 0u) + (most_surround(plan) > 0 ? 1u : 0u);
+  return 1u + (plan.depth_pass ? 1u : 0u) + (most_cube_mask_pairs(plan) > 0 ? 1u : 0u);
 }
 
 /// Writes an instance's vertices in the pose of its rig to their place in `bytes`.

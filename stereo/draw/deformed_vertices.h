@@ -18,7 +18,7 @@ namespace farshade {
 class DeformedVertices {
  public:
   /// Keeps a reference to the scene. As many poses are kept as one submission can need: one for shown views,
-  /// one for requested views, and one for the faces of the surround.
+  /// one for requested views, and one for the faces of the cube mask.
   DeformedVertices(const gpu::Device& device, const Scene& scene, const DrawPlan& plan);
 
   /// The vertices of one instance.

@@ -15,7 +15,7 @@ gpu::Buffer mapped(const gpu::Device& device, std::size_t bytes, const char* nam
 /// Writes which blocks of each tile of an eye are known. Returns whether all are.
 bool write_known(const TracedMask& mask, std::size_t eye, std::span<std::uint16_t> blocks) {
   bool whole = true;
-  for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile) {
+  for (std::size_t tile = 0; tile < mask.received_tiles[eye].size(); ++tile) {
     blocks[tile] = known_blocks(mask, eye, tile);
     whole &= blocks[tile] == kAllBlocks;
   }
@@ -32,8 +32,8 @@ DeviceMasks::DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const 
       known_(mapped(device, bytes.all_known(plan), "known blocks")),
       shelves_{Shelf{bytes.mask, 0, 0, MaskSlots(most_masks(plan)), std::vector<bool>(most_masks(plan))},
                Shelf{bytes.face, most_masks(plan) * kEyes * bytes.mask.words,
-                     most_masks(plan) * kEyes * bytes.mask.known, MaskSlots(most_surround(plan)),
-                     std::vector<bool>(most_surround(plan))}} {}
+                     most_masks(plan) * kEyes * bytes.mask.known, MaskSlots(most_cube_mask_pairs(plan)),
+                     std::vector<bool>(most_cube_mask_pairs(plan))}} {}
 
 std::vector<DeviceMasks::Held> DeviceMasks::hold(Kind kind, std::span<const TracedMask* const> masks) {
   Shelf& shelf = shelves_[static_cast<std::size_t>(kind)];
@@ -70,7 +70,7 @@ bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask&
     const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
     check(bytes <= shelf.bytes.words, "a mask fits its slot");
     const auto there = words_.as<std::byte>().subspan(shelf.words + at * shelf.bytes.words, bytes);
-    if (carries_masks(plan_)) {
+    if (reprojects_masks(plan_)) {
       copy_with_edges(bits, there);
     } else {
       std::ranges::copy(bits.bytes(), there.begin());

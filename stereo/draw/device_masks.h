@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/draw/carry_over.h"
 #include "stereo/draw/mask_slots.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/draw/shading_layout.h"
 #include "stereo/gpu/memory.h"
 
@@ -15,11 +15,11 @@ namespace farshade {
 
 class DeviceMasks {
  public:
-  /// Room for most_masks(plan) masks of views and most_surround(plan) masks of the surround. Keeps the
-  /// reference.
+  /// Room for most_masks(plan) masks of views and most_cube_mask_pairs(plan) masks of the cube's faces. Keeps
+  /// the reference.
   DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes);
 
-  enum class Kind : std::uint8_t { Views, Surround };
+  enum class Kind : std::uint8_t { Views, CubeMask };
 
   /// Where a mask lies.
   struct Held {

@@ -1,11 +1,11 @@
-/// Mask quads: the form in which carry.comp reads a mask. For each pixel it has the bits of the pixel, and
-/// the lights that differ in the quad of the pixel and its three neighbours to the right and below. So the
-/// shader reads one place instead of four.
+/// Mask quads: the form in which request_reprojection.comp reads a mask. For each pixel it has the bits of
+/// the pixel, and the lights that differ in the quad of the pixel and its three neighbours to the right and
+/// below. So the shader reads one place instead of four.
 #pragma once
 
 #include <span>
 
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 
 namespace farshade {
 

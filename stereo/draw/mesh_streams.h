@@ -9,7 +9,7 @@
 #include <glm/gtc/type_precision.hpp>
 #include <vector>
 
-#include "stereo/detail/levels.h"
+#include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {

@@ -4,13 +4,13 @@
 #include <iterator>
 #include <vector>
 
-#include "stereo/draw/carry_pass.h"
+#include "stereo/draw/cube_mask_faces.h"
 #include "stereo/draw/gbuffer_transfer.h"
 #include "stereo/draw/mesh_streams.h"
 #include "stereo/draw/read_back.h"
+#include "stereo/draw/request_reprojection_pass.h"
 #include "stereo/draw/shading.h"
-#include "stereo/draw/surround_faces.h"
-#include "stereo/draw/turn_pass.h"
+#include "stereo/draw/timewarp_pass.h"
 
 namespace farshade {
 namespace {
@@ -18,11 +18,11 @@ namespace {
 /// One timestamp before each stage of a frame, and one after the last.
 constexpr std::uint32_t kStamps = 5;
 
-std::optional<SurroundFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
                                       const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
                                       const std::shared_ptr<ScenePipelines>& pipelines) {
-  if (most_surround(plan) == 0) return std::nullopt;
-  return std::optional<SurroundFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
+  if (most_cube_mask_pairs(plan) == 0) return std::nullopt;
+  return std::optional<CubeMaskFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
 }
 
 /// A mask of the views of a request of which nothing is known. Keeps the reference.
@@ -32,7 +32,7 @@ class UnknownMask {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const Extent size = request.views[eye].size;
       bits_[eye] = EyeMask(size, layout);
-      known_tiles_[eye].assign(TileGrid{size}.count(), 0);
+      received_tiles_[eye].assign(TileGrid{size}.count(), 0);
     }
   }
 
@@ -43,14 +43,14 @@ class UnknownMask {
             .scene_time = request_.scene_time,
             .views = request_.views,
             .masks = bits_,
-            .known_tiles = known_tiles_,
+            .received_tiles = received_tiles_,
             .light_set_revision = request_.lights.revision};
   }
 
  private:
   const FrameRequest& request_;
   PerEye<EyeMask> bits_;
-  PerEye<KnownTiles> known_tiles_;
+  PerEye<ReceivedTiles> received_tiles_;
 };
 
 }  // namespace
@@ -61,16 +61,18 @@ class Renderer::Parts {
         const SceneLevels& levels);
 
   DrawTimes draw(const ShownFrame& frame);
-  std::vector<std::function<void()>> compile_steps(const CarryOver& carry_over, PixelReport report,
+  std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection, PixelReport report,
                                                    Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden);
-  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask* base,
-                                 CarriedOver& into, const PerEye<HiddenArea>* hidden);
+  std::optional<DrawTimes> reproject_to_request(const FrameRequest& request, std::size_t slot,
+                                                const TracedMask* base, RequestReprojection& into,
+                                                const PerEye<HiddenArea>* hidden);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
-  DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
-  DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
+  DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                            const StereoView& shown);
+  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown);
   DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
                                  const StereoView& from);
   void forget();
@@ -98,10 +100,10 @@ class Renderer::Parts {
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
   [[nodiscard]] Motion motion_since(const TracedMask& mask, const SceneState& now);
-  CarryPass& need_carry();
-  TurnPass& need_turn();
-  Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
-                       TurnPass::Effect effect);
+  RequestReprojectionPass& need_request_reprojection();
+  TimewarpPass& need_timewarp();
+  Duration submit_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
+                           TimewarpPass::Effect effect);
   void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
 
   const gpu::Device& device_;
@@ -113,7 +115,7 @@ class Renderer::Parts {
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
   DepthRing ring_;
   std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
-  std::optional<SurroundFaces> faces_;  ///< set if the plan has a surround
+  std::optional<CubeMaskFaces> faces_;  ///< set if the plan has a cube mask
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< created at first use
@@ -121,10 +123,10 @@ class Renderer::Parts {
   const ShadingBytes bytes_;
   DeviceMasks masks_;
   ShadingPass shading_;
-  std::optional<CarryPass> carry_;                   ///< created at first use
-  std::optional<TurnPass> turn_;                     ///< created at first use
-  DepthRing::Place shown_depth_;                     ///< of the last drawn frame
-  std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
+  std::optional<RequestReprojectionPass> request_reprojection_;  ///< created at first use
+  std::optional<TimewarpPass> timewarp_;                         ///< created at first use
+  DepthRing::Place shown_depth_;                                 ///< of the last drawn frame
+  std::optional<DepthRing::Place> requested_depth_;              ///< set if the depth pass must draw
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
@@ -208,14 +210,14 @@ void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
     return;
   }
   MasksInUse masks;
-  const bool is_direct = frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
+  const bool is_direct = frame.reprojection.lookup == Lookup::Direct || !reprojects_masks(plan_);
   for (const TracedMask& mask : frame.masks)
     if (masks.views.size() < most_masks(plan_) && (is_direct || ring_.has(mask.frame)))
       masks.views.push_back({mask, motion_since(mask, frame.state)});
-  for (const TracedMask& mask : frame.surround)
-    if (masks.surround.size() < most_surround(plan_) && !is_direct && faces_->ring().has(mask.frame))
-      masks.surround.push_back({mask, motion_since(mask, frame.state)});
-  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
+  for (const TracedMask& mask : frame.cube_mask)
+    if (masks.cube_mask.size() < most_cube_mask_pairs(plan_) && !is_direct && faces_->ring().has(mask.frame))
+      masks.cube_mask.push_back({mask, motion_since(mask, frame.state)});
+  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.reprojection);
 }
 
 /// The existing shadow maps if their settings match, otherwise new ones.
@@ -244,7 +246,7 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   return times;
 }
 
-std::vector<std::function<void()>> Renderer::Parts::compile_steps(const CarryOver& carry_over,
+std::vector<std::function<void()>> Renderer::Parts::compile_steps(const Reprojection& reprojection,
                                                                   PixelReport report, Changes changes) {
   if (plan_.anything_moves()) changes = Changes::Possible;
   gbuffer_.prepare_warm_up();
@@ -256,8 +258,8 @@ std::vector<std::function<void()>> Renderer::Parts::compile_steps(const CarryOve
   if (depth_pass_)
     recordings.emplace_back(
         [this](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
-  if (carries_masks(plan_)) recordings.push_back(need_carry().warm_up());
-  std::ranges::copy(shading_.warm_ups(carry_over, report, changes), std::back_inserter(recordings));
+  if (reprojects_masks(plan_)) recordings.push_back(need_request_reprojection().warm_up());
+  std::ranges::copy(shading_.warm_ups(reprojection, report, changes), std::back_inserter(recordings));
   std::vector<std::function<void()>> steps;
   for (gpu::Recording& recording : recordings)  // one submission each, because each has a time limit
     steps.emplace_back([this, recording = std::move(recording)] { gpu::run_now(device_, recording); });
@@ -294,16 +296,17 @@ DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t s
           .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
-CarryPass& Renderer::Parts::need_carry() {
-  if (!carry_) carry_.emplace(device_, plan_, ring_, traced_size_);
-  return *carry_;
+RequestReprojectionPass& Renderer::Parts::need_request_reprojection() {
+  if (!request_reprojection_) request_reprojection_.emplace(device_, plan_, ring_, traced_size_);
+  return *request_reprojection_;
 }
 
-std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std::size_t slot,
-                                                const TracedMask* base, CarriedOver& into,
-                                                const PerEye<HiddenArea>* hidden) {
+std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameRequest& request, std::size_t slot,
+                                                               const TracedMask* base,
+                                                               RequestReprojection& into,
+                                                               const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
-  if (!carries_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
+  if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   if (!place || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
   std::optional<UnknownMask> unknown;
@@ -313,20 +316,20 @@ std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std
   since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
-  need_carry().prepare(request, *place, from, state.light_set, since);
+  need_request_reprojection().prepare(request, *place, from, state.light_set, since);
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
   stamps_.write(commands_, 0);
   depth_pass_->record(commands_, ring_, *place);
   stamps_.write(commands_, 1);
-  carry_->record(commands_);
+  request_reprojection_->record(commands_);
   for (std::uint32_t stage = 2; stage < kStamps; ++stage) stamps_.write(commands_, stage);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
-  carry_->read(into);
+  request_reprojection_->read(into);
   return DrawTimes{.depth = stamps_.between(0, 1),
-                   .carry = stamps_.between(1, 2),
+                   .request_reprojection = stamps_.between(1, 2),
                    .total = watch.elapsed(),
                    .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
@@ -335,7 +338,7 @@ DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const Show
   const Stopwatch watch;
   ShownFrame direct = frame;
   direct.request = nullptr;
-  direct.carry_over.lookup = Lookup::Direct;
+  direct.reprojection.lookup = Lookup::Direct;
   place_depth(direct);
   transfer_.prepare(planes);
   prepare_shading(direct);
@@ -376,23 +379,25 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
                         .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
-TurnPass& Renderer::Parts::need_turn() {
-  if (!turn_) turn_.emplace(device_, shading_.shown(), traced_size_);
-  return *turn_;
+TimewarpPass& Renderer::Parts::need_timewarp() {
+  if (!timewarp_) timewarp_.emplace(device_, shading_.shown(), traced_size_);
+  return *timewarp_;
 }
 
-DrawTimes Renderer::Parts::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                       const StereoView& shown) {
+DrawTimes Renderer::Parts::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                           const StereoView& shown) {
   const Stopwatch watch;
-  need_turn().load(picture);
-  const Duration turn = submit_turn(from, shown, TurnPass::Source::Loaded, TurnPass::Effect::Show);
-  return {.turn = turn, .total = watch.elapsed()};
+  need_timewarp().load(picture);
+  const Duration timewarp =
+      submit_timewarp(from, shown, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Show);
+  return {.timewarp = timewarp, .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::Parts::turn_shown(const StereoView& from, const StereoView& shown) {
+DrawTimes Renderer::Parts::timewarp_shown(const StereoView& from, const StereoView& shown) {
   const Stopwatch watch;
-  const Duration turn = submit_turn(from, shown, TurnPass::Source::Shown, TurnPass::Effect::Show);
-  return {.turn = turn, .total = watch.elapsed()};
+  const Duration timewarp =
+      submit_timewarp(from, shown, TimewarpPass::Source::Shown, TimewarpPass::Effect::Show);
+  return {.timewarp = timewarp, .total = watch.elapsed()};
 }
 
 DrawTimes Renderer::Parts::draw_with_difference(const ShownFrame& frame,
@@ -403,21 +408,22 @@ DrawTimes Renderer::Parts::draw_with_difference(const ShownFrame& frame,
   unshadowed.masks = {};
   unshadowed.shadow_maps = nullptr;
   DrawTimes times = draw(unshadowed);
-  need_turn().load(difference);
-  times.turn = submit_turn(from, frame.views, TurnPass::Source::Loaded, TurnPass::Effect::Add);
+  need_timewarp().load(difference);
+  times.timewarp =
+      submit_timewarp(from, frame.views, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Add);
   times.total = watch.elapsed();
   return times;
 }
 
-Duration Renderer::Parts::submit_turn(const StereoView& from, const StereoView& shown,
-                                      TurnPass::Source source, TurnPass::Effect effect) {
-  TurnPass& turn = need_turn();
+Duration Renderer::Parts::submit_timewarp(const StereoView& from, const StereoView& shown,
+                                          TimewarpPass::Source source, TimewarpPass::Effect effect) {
+  TimewarpPass& timewarp = need_timewarp();
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  turn.record(commands_, from, shown, source, effect);
+  timewarp.record(commands_, from, shown, source, effect);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
-  return turn.time();
+  return timewarp.time();
 }
 
 PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
@@ -486,13 +492,13 @@ DrawCounters Renderer::Parts::counters() const {
     counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
     counters.map_layers_restored = shadow_maps_->layers_drawn().restored;
   }
-  if (carry_) {
-    counters.pipelines += carry_->pipelines();
-    counters.bindings += carry_->bindings();
+  if (request_reprojection_) {
+    counters.pipelines += request_reprojection_->pipelines();
+    counters.bindings += request_reprojection_->bindings();
   }
-  if (turn_) {
-    counters.pipelines += turn_->pipelines();
-    counters.bindings += turn_->bindings();
+  if (timewarp_) {
+    counters.pipelines += timewarp_->pipelines();
+    counters.bindings += timewarp_->bindings();
   }
   for (const gpu::Bindings& set : buffers_.texture_sets) counters.bindings += set.kinds.size();
   for (const DeviceMesh& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
@@ -512,9 +518,9 @@ DrawTimes Renderer::draw(const ShownFrame& frame) {
   return parts_->draw(frame);
 }
 
-std::vector<std::function<void()>> Renderer::compile_steps(const CarryOver& carry_over, PixelReport report,
-                                                           Changes changes) {
-  return parts_->compile_steps(carry_over, report, changes);
+std::vector<std::function<void()>> Renderer::compile_steps(const Reprojection& reprojection,
+                                                           PixelReport report, Changes changes) {
+  return parts_->compile_steps(reprojection, report, changes);
 }
 
 DrawTimes Renderer::shade_again(const ShownFrame& frame) {
@@ -526,23 +532,23 @@ DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, Pe
   return parts_->keep_depth(request, slot, into, hidden);
 }
 
-std::optional<DrawTimes> Renderer::carry(const FrameRequest& request, std::size_t slot,
-                                         const TracedMask* base, CarriedOver& into,
-                                         const PerEye<HiddenArea>* hidden) {
-  return parts_->carry(request, slot, base, into, hidden);
+std::optional<DrawTimes> Renderer::reproject_to_request(const FrameRequest& request, std::size_t slot,
+                                                        const TracedMask* base, RequestReprojection& into,
+                                                        const PerEye<HiddenArea>* hidden) {
+  return parts_->reproject_to_request(request, slot, base, into, hidden);
 }
 
 DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
   return parts_->draw_received(planes, frame);
 }
 
-DrawTimes Renderer::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                const StereoView& shown) {
-  return parts_->show_turned(picture, from, shown);
+DrawTimes Renderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                    const StereoView& shown) {
+  return parts_->show_timewarped(picture, from, shown);
 }
 
-DrawTimes Renderer::turn_shown(const StereoView& from, const StereoView& shown) {
-  return parts_->turn_shown(from, shown);
+DrawTimes Renderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
+  return parts_->timewarp_shown(from, shown);
 }
 
 DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,

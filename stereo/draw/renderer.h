@@ -1,5 +1,5 @@
 /// Renderer draws one frame: the G-buffer, the depth of requested views, and the shaded picture with masks
-/// carried over. It draws one frame at a time; `draw` returns when the device has finished.
+/// reprojected. It draws one frame at a time; `draw` returns when the device has finished.
 #pragma once
 
 #include <functional>
@@ -8,16 +8,16 @@
 #include <span>
 
 #include "stereo/base/clock.h"
-#include "stereo/detail/levels.h"
-#include "stereo/draw/carry_over.h"
 #include "stereo/draw/counters.h"
 #include "stereo/draw/detail.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/draw/shadow_map_settings.h"
+#include "stereo/frame/cube_mask.h"
 #include "stereo/frame/hidden_area.h"
 #include "stereo/frame/pixel_plane.h"
-#include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/image/image.h"
+#include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
 
@@ -41,8 +41,8 @@ struct DrawnTriangles {
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: requested views that are not shown
   Duration maps{};                       ///< shadow maps, on the device; 0 if they were not redrawn
-  Duration carry{};                      ///< carrying a mask over to the requested views, on the device
-  Duration turn{};                       ///< turning a picture made for other views, on the device
+  Duration request_reprojection{};       ///< reprojecting a mask to the requested views, on the device
+  Duration timewarp{};                   ///< turning a picture made for other views, on the device
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
   DrawnTriangles triangles{};
 };
@@ -66,10 +66,10 @@ struct ShownDepth {
   std::uint32_t first_layer = 0;
 };
 
-/// A request for a pair of faces of the surround.
+/// A request for a pair of faces of the cube mask.
 struct FaceRequest {
   const FrameRequest& request;
-  std::size_t slot = 0;  ///< of its record, less than kSurroundSlots
+  std::size_t slot = 0;  ///< of its record, less than kCubeMaskSlots
 };
 
 struct ShownFrame {
@@ -77,15 +77,15 @@ struct ShownFrame {
   const SceneState& state;
   const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
   std::span<const TracedMask> masks;      ///< first source first; skipped if its depth is not in the ring
-  /// Masks of the surround, one of each pair at most; skipped if its depth is not kept.
-  std::span<const TracedMask> surround{};
-  CarryOver carry_over;
+  /// Masks of the cube's faces, one of each pair at most; skipped if its depth is not kept.
+  std::span<const TracedMask> cube_mask{};
+  Reprojection reprojection;
   PixelReport report = PixelReport::Off;
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
   std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
   std::span<const FaceRequest>
-      faces{};  ///< this frame's requests for pairs of the surround; their depth is kept, too
+      faces{};  ///< this frame's requests for pairs of the cube mask; their depth is kept, too
   Detail detail = Detail::Levels;
   /// What the lenses hide: pixels without a surface, whatever is there. Null: nothing. In the views of the
   /// request it is less (hidden_in_request).
@@ -117,10 +117,10 @@ class Renderer {
   /// have: about one each, in any order. After them no frame waits for a compiler. They take seconds where
   /// the driver has no cache. Call them before the first frame; they refer to the renderer. `changes`: a
   /// viewer can move lights.
-  [[nodiscard]] std::vector<std::function<void()>> compile_steps(const CarryOver& carry_over,
+  [[nodiscard]] std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection,
                                                                  PixelReport report, Changes changes);
 
-  /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
+  /// Shades the last drawn frame again. Views and state are the same; masks and Reprojection may differ.
   DrawTimes shade_again(const ShownFrame& frame);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
@@ -129,13 +129,14 @@ class Renderer {
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden = nullptr);
 
-  /// Draws the depth of the views of `request`, keeps it for the request's masks, and carries `base` over to
+  /// Draws the depth of the views of `request`, keeps it for the request's masks, and reprojects `base` to
   /// these views. A light that has moved or was switched since the base was traced is unknown everywhere.
   /// Without a base (null), everything is unknown that has a surface. No value, and nothing drawn, if the
-  /// depth of the base is gone, or the plan does not carry masks over. `slot` is that of the request's
+  /// depth of the base is gone, or the plan does not reproject masks. `slot` is that of the request's
   /// record, `hidden` as in keep_depth.
-  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask* base,
-                                 CarriedOver& into, const PerEye<HiddenArea>* hidden = nullptr);
+  std::optional<DrawTimes> reproject_to_request(const FrameRequest& request, std::size_t slot,
+                                                const TracedMask* base, RequestReprojection& into,
+                                                const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.
@@ -143,13 +144,15 @@ class Renderer {
 
   /// Shows an sRGB picture that was made for `from`, turned to `shown`. The picture and `from` have one size,
   /// with no side larger than that of a traced view. Pixels outside of the picture (outside_share) are black.
-  DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
+  DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                            const StereoView& shown);
 
   /// Turns the shown picture, which was made for `from`.
-  DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
+  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown);
 
   /// Draws `frame` without shadows and without its masks, and adds `difference`, a difference_of for `from`,
-  /// turned to the frame's views. Its size is free as in show_turned. Pixels outside of it have no shadows.
+  /// turned to the frame's views. Its size is free as in show_timewarped. Pixels outside of it have no
+  /// shadows.
   DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
                                  const StereoView& from);
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <set>
 
-#include "stereo/detail/level_choice.h"
+#include "stereo/lod/level_choice.h"
 
 namespace farshade {
 namespace {

@@ -109,13 +109,13 @@ struct Attachments {
 
 /// The specialisation constants of gbuffer.frag.
 gpu::Specialization constants_of(const DrawPlan& plan, SceneVariant variant) {
-  return gpu::Specialization({variant.masked, carries_masks(plan), keeps_instances(plan)});
+  return gpu::Specialization({variant.masked, reprojects_masks(plan), keeps_instances(plan)});
 }
 
 }  // namespace
 
 bool keeps_instances(const DrawPlan& plan) {
-  return carries_masks(plan) && std::ranges::find(plan.moves, true) != plan.moves.end();
+  return reprojects_masks(plan) && std::ranges::find(plan.moves, true) != plan.moves.end();
 }
 
 const char* to_string(Outputs outputs) {

@@ -11,12 +11,12 @@ namespace farshade {
 
 inline constexpr vk::Format kColorFormat = vk::Format::eR8G8B8A8Srgb, kDepthFormat = vk::Format::eD32Sfloat;
 
-/// The G-buffer keeps the instance of each pixel: some instance can move, and masks are carried over.
+/// The G-buffer keeps the instance of each pixel: some instance can move, and masks are reprojected.
 [[nodiscard]] bool keeps_instances(const DrawPlan& plan);
 
-/// Shading normals and, if masks are carried over, geometric normals and instances.
+/// Shading normals and, if masks are reprojected, geometric normals and instances.
 [[nodiscard]] constexpr vk::Format surface_format(const DrawPlan& plan) {
-  return carries_masks(plan) ? vk::Format::eR32G32Uint : vk::Format::eR32Uint;
+  return reprojects_masks(plan) ? vk::Format::eR32G32Uint : vk::Format::eR32Uint;
 }
 
 /// What a scene pass writes.

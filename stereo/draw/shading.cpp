@@ -11,16 +11,16 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-static_assert(kMaxMasks * kEyes == FARSHADE_FIRST_FACE && kSurroundPairs == FARSHADE_MAX_SURROUND &&
-              kFirstFace + kSurroundPairs * kEyes == FARSHADE_MAX_SOURCES &&
-              kMaxMasks + kSurroundPairs == FARSHADE_MAX_TRACED && kMostSpheres == FARSHADE_MAX_MOVED);
+static_assert(kMaxMasks * kEyes == FARSHADE_FIRST_FACE && kCubeMaskPairs == FARSHADE_MAX_CUBE_MASK_PAIRS &&
+              kFirstFace + kCubeMaskPairs * kEyes == FARSHADE_MAX_SOURCES &&
+              kMaxMasks + kCubeMaskPairs == FARSHADE_MAX_TRACED && kMostSpheres == FARSHADE_MAX_MOVED);
 
 /// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
 constexpr double kMeaninglessTurn_rad = 0.25;
 
 constexpr gpu::BindingKind kStorage{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute};
 
-/// Set 0 of shade.comp. It has the last bindings only if masks are carried over, and if instances can move.
+/// Set 0 of shade.comp. It has the last bindings only if masks are reprojected, and if instances can move.
 std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
@@ -118,7 +118,7 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   if (hard_buffer_.bytes > 0) {
     gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
     const DepthRing& faces =
-        depths_.faces ? *depths_.faces : depths_.views;  // without a surround it is not read
+        depths_.faces ? *depths_.faces : depths_.views;  // without a cube mask it is not read
     gpu::bind_image(device_, bindings_, binding++,
                     {*faces.image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
   }
@@ -147,14 +147,14 @@ void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMa
   }
 }
 
-/// Writes the faces of the surround, which are sources of both eyes.
-void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask> surround,
+/// Writes the faces of the cube mask, which are sources of both eyes.
+void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask> cube_mask,
                               gpu::FrameData& frame) {
-  frame.counts.w = narrow<std::uint32_t>(surround.size() * kEyes);
+  frame.counts.w = narrow<std::uint32_t>(cube_mask.size() * kEyes);
   const std::vector<DeviceMasks::Held> held =
-      device_masks_.hold(DeviceMasks::Kind::Surround, taken(surround));
-  for (std::size_t m = 0; m < surround.size(); ++m) {
-    const TracedMask& mask = surround[m].mask;
+      device_masks_.hold(DeviceMasks::Kind::CubeMask, taken(cube_mask));
+  for (std::size_t m = 0; m < cube_mask.size(); ++m) {
+    const TracedMask& mask = cube_mask[m].mask;
     whole_ &= held[m].whole;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::size_t face = 0; face < kEyes; ++face) {
@@ -166,7 +166,7 @@ void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask
 }
 
 void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame) {
-  const std::vector<const Motion*> of_views = motions(masks.views), of_faces = motions(masks.surround);
+  const std::vector<const Motion*> of_views = motions(masks.views), of_faces = motions(masks.cube_mask);
   const MaskMotions since{of_views, of_faces};
   // Where instances can move, one pipeline serves all frames, because compiling another takes long.
   moved_ = write_stale(views, since, frame) || motion_count_ > 0;
@@ -177,22 +177,22 @@ void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks,
 }
 
 void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
-                          const MasksInUse& in_use, const CarryOver& carry_over) {
+                          const MasksInUse& in_use, const Reprojection& reprojection) {
   const std::span<const DatedMask> masks = in_use.views;
-  check(masks.size() <= most_masks(plan_) && in_use.surround.size() <= most_surround(plan_),
+  check(masks.size() <= most_masks(plan_) && in_use.cube_mask.size() <= most_cube_mask_pairs(plan_),
         "no more masks than the device holds");
   check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
-  carry_over_ = carry_over;
-  if (!carries_masks(plan_)) carry_over_.lookup = Lookup::Direct;
-  other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both &&
+  reprojection_ = reprojection;
+  if (!reprojects_masks(plan_)) reprojection_.lookup = Lookup::Direct;
+  other_eye_ = plan_.other_eye && reprojection.eyes == Eyes::Both &&
                (!plan_.builds_late || (!masks.empty() && masks[0].mask.views[0] != masks[0].mask.views[1]));
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
   whole_ = true;
   write_sources(views, masks, frame);
-  write_faces(views, in_use.surround, frame);
+  write_faces(views, in_use.cube_mask, frame);
   masks_ = masks.size();
-  faces_ = in_use.surround.size() * kEyes;
+  faces_ = in_use.cube_mask.size() * kEyes;
   write_motion(views, in_use, frame);
   frame.counts.y = shown_layer;
   if (!masks.empty()) {
@@ -220,20 +220,20 @@ void ShadingPass::assume_nothing() {
   moved_ = true;
 }
 
-/// Creates the pipelines of the default CarryOver.
+/// Creates the pipelines of the default Reprojection.
 void ShadingPass::make_all_pipelines() {
   assume_nothing();
   other_eye_ = plan_.other_eye;
-  const std::uint32_t last = carries_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
+  const std::uint32_t last = reprojects_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
   for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
 }
 
-std::vector<gpu::Recording> ShadingPass::warm_ups(const CarryOver& carry_over, PixelReport report,
+std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojection, PixelReport report,
                                                   Changes changes) {
   if (report == PixelReport::On) make_report_buffer();
-  carry_over_ = carry_over;
-  other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both;
-  const std::uint32_t last = !carries_masks(plan_)                               ? FARSHADE_PASS_DIRECT
+  reprojection_ = reprojection;
+  other_eye_ = plan_.other_eye && reprojection.eyes == Eyes::Both;
+  const std::uint32_t last = !reprojects_masks(plan_)                            ? FARSHADE_PASS_DIRECT
                              : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
                                                                                  : FARSHADE_PASS_HARD;
   std::set<ShadingKey> keys;
@@ -267,15 +267,15 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
   return {.pass = pass,
           .reports = report == PixelReport::On,
           .other_eye = second_look && other_eye_,
-          .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
-          .filters_edges = direct || carry_over_.edges != Edges::Nearest,
+          .neighbours = !second_look || reprojection_.gaps == Gaps::Neighbours,
+          .filters_edges = direct || reprojection_.edges != Edges::Nearest,
           .whole = whole_ && !direct && !moved_,
           .moved = moved_ && !direct,
           .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
           .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0,
-          .sharpness = maps_ != nullptr                       ? maps_->settings().sharpness
-                       : carry_over_.edges == Edges::Coverage ? 0.0f
-                                                              : kEdgeSharpness};
+          .sharpness = maps_ != nullptr                         ? maps_->settings().sharpness
+                       : reprojection_.edges == Edges::Coverage ? 0.0f
+                                                                : kEdgeSharpness};
 }
 
 /// Created when a report is first requested, because the report is large.
@@ -316,7 +316,7 @@ void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
           Access::eShaderRead | Access::eShaderWrite);
 }
 
-void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report) {
+void ShadingPass::shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report) {
   empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
   barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eDrawIndirect,
@@ -329,10 +329,10 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport re
   if (report == PixelReport::On) make_report_buffer();
   bind_sets(commands, report);
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
-  if (carry_over_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
+  if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
     shade_all(commands, FARSHADE_PASS_DIRECT, report);
   } else {
-    shade_carried_over(commands, report);
+    shade_reprojected(commands, report);
   }
   barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eHost | At::eTransfer,
           Access::eHostRead | Access::eTransferRead);

@@ -1,4 +1,4 @@
-/// ShadingPass: carries masks over to the shown views and shades the picture (shade.comp). If requested, it
+/// ShadingPass: reprojects masks to the shown views and shades the picture (shade.comp). If requested, it
 /// writes the report of what each pixel was shaded with.
 #pragma once
 
@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "stereo/draw/carry_over.h"
 #include "stereo/draw/device_masks.h"
 #include "stereo/draw/gbuffer.h"
 #include "stereo/draw/motion.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/draw/shading_pipelines.h"
 #include "stereo/draw/shadow_maps.h"
 #include "stereo/frame/tiles.h"
@@ -24,14 +24,14 @@ struct DatedMask {
 
 /// The masks that a picture is shaded with.
 struct MasksInUse {
-  std::vector<DatedMask> views;     ///< newest first, at most most_masks(plan)
-  std::vector<DatedMask> surround;  ///< at most most_surround(plan)
+  std::vector<DatedMask> views;      ///< newest first, at most most_masks(plan)
+  std::vector<DatedMask> cube_mask;  ///< at most most_cube_mask_pairs(plan)
 };
 
 /// The depth of the views that masks were requested for.
 struct MaskDepths {
   const DepthRing& views;
-  const DepthRing* faces = nullptr;  ///< of the surround; null if the plan has none
+  const DepthRing* faces = nullptr;  ///< of the cube mask; null if the plan has none
 };
 
 class ShadingPass {
@@ -43,9 +43,9 @@ class ShadingPass {
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
   /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's
-  /// shown depth is in layer `shown_layer`. If the plan does not carry masks over, the lookup is Direct.
+  /// shown depth is in layer `shown_layer`. If the plan does not reproject masks, the lookup is Direct.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
-               const MasksInUse& masks, const CarryOver& carry_over);
+               const MasksInUse& masks, const Reprojection& reprojection);
 
   /// The same with shadows from `maps`, which must exist until `record` and be readable by shaders there.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
@@ -53,7 +53,7 @@ class ShadingPass {
 
   /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of
   /// them, because some drivers compile at the first dispatch. The FrameData has pictures of no pixels.
-  [[nodiscard]] std::vector<gpu::Recording> warm_ups(const CarryOver& carry_over, PixelReport report,
+  [[nodiscard]] std::vector<gpu::Recording> warm_ups(const Reprojection& reprojection, PixelReport report,
                                                      Changes changes);
 
   void record(const vk::raii::CommandBuffer& commands, PixelReport report);
@@ -76,7 +76,7 @@ class ShadingPass {
   void make_buffers(const MotionModel& motion);
   void make_sets(const GBufferPass& gbuffer);
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
-  void write_faces(const StereoView& views, std::span<const DatedMask> surround, gpu::FrameData& frame);
+  void write_faces(const StereoView& views, std::span<const DatedMask> cube_mask, gpu::FrameData& frame);
   void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
   void write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame);
   void make_report_buffer();
@@ -84,7 +84,7 @@ class ShadingPass {
   [[nodiscard]] std::vector<const gpu::Bindings*> sets(PixelReport report) const;
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
-  void shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report);
   void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
@@ -107,7 +107,7 @@ class ShadingPass {
   ShadingPipelines pipelines_;
   // State of the frame that was prepared last.
   const ShadowMaps* maps_ = nullptr;  ///< null: visibilities come from masks
-  CarryOver carry_over_;
+  Reprojection reprojection_;
   bool other_eye_ = false;  ///< masks traced for the other eye are sources
   std::size_t masks_ = 0, faces_ = 0;
   std::bitset<kMaxLights> off_;  ///< lights that are off

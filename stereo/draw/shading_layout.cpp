@@ -21,14 +21,14 @@ MaskBytes mask_bytes_on_device(const DrawPlan& plan, Extent size) {
 }  // namespace
 
 DrawPlan settled(DrawPlan plan) {
-  if (carries_masks(plan)) return plan;
+  if (reprojects_masks(plan)) return plan;
   plan.moves.assign(plan.moves.size(), false);
   plan.lights_move = plan.other_eye = plan.depth_pass = false;
   return plan;
 }
 
-CarryBytes carry_bytes(const DrawPlan& plan, Extent traced_size) {
-  if (!carries_masks(plan)) return {};
+RequestReprojectionBytes request_reprojection_bytes(const DrawPlan& plan, Extent traced_size) {
+  if (!reprojects_masks(plan)) return {};
   const std::size_t blocks = kEyes * blocks_of(traced_size).pixels();
   return {whole_words(quad_bytes(traced_size, plan.mask)),
           blocks * kBlockSide_px * kBlockSide_px * plan.mask.planes() * plan.mask.word_bytes(),
@@ -41,13 +41,13 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
     bytes.mask = mask_bytes_on_device(plan, traced_size);
-    if (most_surround(plan) > 0) bytes.face = mask_bytes_on_device(plan, face_size(size));
+    if (most_cube_mask_pairs(plan) > 0) bytes.face = mask_bytes_on_device(plan, face_size(size));
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;
     bytes.motions = motion_index(moving, 0, 0) * sizeof(glm::mat4);
   }
-  if (carries_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
+  if (reprojects_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
   return bytes;
 }
 

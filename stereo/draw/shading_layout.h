@@ -5,34 +5,34 @@
 #include "shaders/shade_data.h"
 #include "shaders/shared.h"
 #include "stereo/draw/mask_edges.h"
-#include "stereo/frame/asked_blocks.h"
-#include "stereo/frame/surround.h"
+#include "stereo/frame/cube_mask.h"
+#include "stereo/frame/requested_blocks.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
-/// Whether masks are carried over to views other than the traced ones. Otherwise they are read at the shown
+/// Whether masks are reprojected to views other than the traced ones. Otherwise they are read at the shown
 /// pixel.
-[[nodiscard]] constexpr bool carries_masks(const DrawPlan& plan) {
+[[nodiscard]] constexpr bool reprojects_masks(const DrawPlan& plan) {
   return plan.depth_pass && plan.mask.lights > 0;
 }
 
-/// `plan`; if masks are not carried over, without the features that only serve to carry them.
+/// `plan`; if masks are not reprojected, without the features that only serve to reproject them.
 [[nodiscard]] DrawPlan settled(DrawPlan plan);
 
-/// The layout of a mask on the device: with edge bits, if masks are carried over.
+/// The layout of a mask on the device: with edge bits, if masks are reprojected.
 [[nodiscard]] constexpr MaskLayout device_mask(const DrawPlan& plan) {
-  return carries_masks(plan) ? with_edge_bits(plan.mask) : plan.mask;
+  return reprojects_masks(plan) ? with_edge_bits(plan.mask) : plan.mask;
 }
 
 /// The number of masks that the device holds.
 [[nodiscard]] constexpr std::size_t most_masks(const DrawPlan& plan) {
-  return plan.mask.lights == 0 ? 0 : carries_masks(plan) ? FARSHADE_MAX_MASKS : 1;
+  return plan.mask.lights == 0 ? 0 : reprojects_masks(plan) ? FARSHADE_MAX_MASKS : 1;
 }
 
-/// The number of masks of the surround that the device holds.
-[[nodiscard]] constexpr std::size_t most_surround(const DrawPlan& plan) {
-  return carries_masks(plan) && plan.surround ? kSurroundPairs : 0;
+/// The number of masks of the cube's faces that the device holds.
+[[nodiscard]] constexpr std::size_t most_cube_mask_pairs(const DrawPlan& plan) {
+  return reprojects_masks(plan) && plan.cube_mask ? kCubeMaskPairs : 0;
 }
 
 /// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.
@@ -43,27 +43,27 @@ struct MaskBytes {
 /// Bytes of the pass's buffers.
 struct ShadingBytes {
   std::size_t lights = 0;
-  MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the surround
+  MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the cube mask
   std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
-  std::size_t lists = 0;               ///< 0 if masks are not carried over
+  std::size_t lists = 0;               ///< 0 if masks are not reprojected
   std::size_t report = 0;              ///< allocated when a report is first requested
 
   /// The words of all masks that the device holds, and their known blocks.
   [[nodiscard]] std::size_t all_words(const DrawPlan& plan) const {
-    return kEyes * (most_masks(plan) * mask.words + most_surround(plan) * face.words);
+    return kEyes * (most_masks(plan) * mask.words + most_cube_mask_pairs(plan) * face.words);
   }
   [[nodiscard]] std::size_t all_known(const DrawPlan& plan) const {
-    return kEyes * (most_masks(plan) * mask.known + most_surround(plan) * face.known);
+    return kEyes * (most_masks(plan) * mask.known + most_cube_mask_pairs(plan) * face.known);
   }
 };
 
-/// Bytes of the buffers of CarryPass: 0 if masks are not carried over.
-struct CarryBytes {
-  std::size_t quads = 0;    ///< of one eye (mask_quads.h); a multiple of 4
-  std::size_t carried = 0;  ///< of both eyes: planes of rows of whole blocks
-  std::size_t unknown = 0;  ///< a word for each block of both eyes
+/// Bytes of the buffers of RequestReprojectionPass: 0 if masks are not reprojected.
+struct RequestReprojectionBytes {
+  std::size_t quads = 0;        ///< of one eye (mask_quads.h); a multiple of 4
+  std::size_t reprojected = 0;  ///< of both eyes: planes of rows of whole blocks
+  std::size_t unknown = 0;      ///< a word for each block of both eyes
 };
-[[nodiscard]] CarryBytes carry_bytes(const DrawPlan& plan, Extent traced_size);
+[[nodiscard]] RequestReprojectionBytes request_reprojection_bytes(const DrawPlan& plan, Extent traced_size);
 
 /// The number of blocks of a picture along its sides.
 [[nodiscard]] constexpr Extent blocks_of(Extent size) {

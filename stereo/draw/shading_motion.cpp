@@ -15,7 +15,7 @@ using Motions = std::span<const Motion* const>;
 
 /// The masks of a group.
 Motions group_of(const MaskMotions& since, std::size_t group) {
-  if (group == FARSHADE_SINCE_SURROUND) return since.surround;
+  if (group == FARSHADE_SINCE_CUBE_MASK) return since.cube_mask;
   const std::size_t newest = std::min<std::size_t>(since.masks.size(), 1);
   return group == FARSHADE_SINCE_NEWEST ? since.masks.first(newest) : since.masks.subspan(newest);
 }
@@ -55,7 +55,7 @@ void write_motions(const StereoView& views, const MaskMotions& since, std::size_
     const Motions motions = group_of(since, group);
     const bool flag =
         std::ranges::any_of(motions, [&](const Motion* motion) { return has_moved(*motion, slot); });
-    const std::size_t first = group == FARSHADE_SINCE_SURROUND ? FARSHADE_MAX_MASKS : group;
+    const std::size_t first = group == FARSHADE_SINCE_CUBE_MASK ? FARSHADE_MAX_MASKS : group;
     for (std::size_t i = 0; i < motions.size(); ++i)
       for (std::size_t eye = 0; eye < kEyes; ++eye) {
         const Rigid<Stage, Eye>& stage_from_eye = views[eye].stage_from_eye;

@@ -12,12 +12,12 @@ namespace farshade {
 
 /// The motion since each mask in use was traced.
 struct MaskMotions {
-  std::span<const Motion* const> masks{};     ///< newest mask first; at most FARSHADE_MAX_MASKS
-  std::span<const Motion* const> surround{};  ///< at most FARSHADE_MAX_SURROUND
+  std::span<const Motion* const> masks{};      ///< newest mask first; at most FARSHADE_MAX_MASKS
+  std::span<const Motion* const> cube_mask{};  ///< at most FARSHADE_MAX_CUBE_MASK_PAIRS
 };
 
-/// Index of a matrix in the buffer `motions` of motion.glsl. `slot` counts from 0. The masks of the surround
-/// follow from index FARSHADE_MAX_MASKS on.
+/// Index of a matrix in the buffer `motions` of motion.glsl. `slot` counts from 0. The masks of the cube's
+/// faces follow from index FARSHADE_MAX_MASKS on.
 [[nodiscard]] constexpr std::size_t motion_index(std::size_t slot, std::size_t mask, std::size_t eye) {
   return (slot * FARSHADE_MAX_TRACED + mask) * kEyes + eye;
 }

@@ -33,7 +33,7 @@ struct Variants {
   SpirvWords plain, reports;
 };
 
-/// A shader that carries masks over, for scenes where nothing moves and for others.
+/// A shader that reprojects masks, for scenes where nothing moves and for others.
 struct MotionVariants {
   Variants still, moving;
 };
@@ -78,7 +78,7 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_MAP_SIDE] = key.map_side_px;
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
-  constants[FARSHADE_CONSTANT_SURROUND] = plan.surround;
+  constants[FARSHADE_CONSTANT_CUBE_MASK] = plan.cube_mask;
   return gpu::Specialization(std::move(constants));
 }
 

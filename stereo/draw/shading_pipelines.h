@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/draw/shading_layout.h"
 #include "stereo/gpu/pass.h"
 

@@ -44,7 +44,7 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
   maps_ = &maps;
   masks_ = faces_ = 0;
-  carry_over_ = {.lookup = Lookup::Direct};
+  reprojection_ = {.lookup = Lookup::Direct};
   other_eye_ = moved_ = false;
   whole_ = true;
   gpu::FrameData frame{};

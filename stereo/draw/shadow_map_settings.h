@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade {

@@ -1,5 +1,5 @@
-/// The eye that a dispatch of shade.comp or carry.comp is for: a push constant, so that one pipeline serves
-/// both eyes.
+/// The eye that a dispatch of shade.comp or request_reprojection.comp is for: a push constant, so that one
+/// pipeline serves both eyes.
 #pragma once
 
 #include "stereo/gpu/pass.h"

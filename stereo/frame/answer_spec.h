@@ -14,13 +14,13 @@ enum class Answer : std::uint8_t {
   GBuffer,           ///< base colour, normal, depth and masks
   Video,             ///< the shaded pictures of both eyes, side by side
   Difference,        ///< pictures with shadows minus pictures without, side by side
-  Surround,          ///< masks of two faces of the surround (surround.h), beside the answers of other kinds
+  CubeMask,          ///< masks of two faces of the cube mask (cube_mask.h), beside the answers of other kinds
 };
 inline constexpr std::uint8_t kAnswers = 6;
 
 [[nodiscard]] constexpr bool has_masks(Answer answer) {
   return answer == Answer::Masks || answer == Answer::MasksOfPositions || answer == Answer::GBuffer ||
-         answer == Answer::Surround;
+         answer == Answer::CubeMask;
 }
 [[nodiscard]] constexpr bool is_video(Answer answer) {
   return answer == Answer::Video || answer == Answer::Difference;
@@ -32,7 +32,7 @@ using AnswerSet = std::uint8_t;
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
 inline constexpr AnswerSet kTracedAnswers =
-    set_of(Answer::Masks) | set_of(Answer::MasksOfPositions) | set_of(Answer::Surround);
+    set_of(Answer::Masks) | set_of(Answer::MasksOfPositions) | set_of(Answer::CubeMask);
 /// Answers that need a renderer on the server. The client rotates them to the shown views.
 inline constexpr AnswerSet kDrawnAnswers =
     set_of(Answer::GBuffer) | set_of(Answer::Video) | set_of(Answer::Difference);
@@ -62,7 +62,7 @@ struct AnswerSpec {
   std::uint32_t position_bits = 0;  ///< bits of an axis of the positions' grid
   // For MasksOfPositions and Masks; otherwise 0.
   /// Messages that follow the request: PlaneSlices that contain the positions, or AskSlices that contain the
-  /// asked blocks. Masks without AskSlices are of whole views.
+  /// requested blocks. Masks without AskSlices are of whole views.
   std::uint32_t slices = 0;
   friend bool operator==(const AnswerSpec&, const AnswerSpec&) = default;
 };

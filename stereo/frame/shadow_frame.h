@@ -4,10 +4,10 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/frame/answer_spec.h"
-#include "stereo/frame/asked_blocks.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/light_changes.h"
+#include "stereo/frame/requested_blocks.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -20,7 +20,7 @@ struct FrameRequest {
   StereoView views;
   LightChanges lights{};  ///< the light set to trace
   AnswerSpec answer{};
-  AskedBlocks asked{};  ///< the part to trace; Answer::Masks only, others ask for whole views
+  RequestedBlocks requested{};  ///< the part to trace; Answer::Masks only, others ask for whole views
 };
 
 struct ShadowFrame {

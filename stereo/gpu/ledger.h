@@ -19,7 +19,7 @@ enum class Use : std::uint8_t {
   Frame,    ///< data written every frame: uniforms, lights, instances
   GBuffer,  ///< base colours and surfaces
   Depth,    ///< of shown and of requested views
-  Masks,    ///< and their bitmaps of known tiles
+  Masks,    ///< and their bitmaps of received tiles
   Motion,   ///< earlier transforms of instances that move
   Lists,    ///< of pixels for the second shading pass
   Shown,    ///< the shaded picture

@@ -35,15 +35,15 @@ void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
       plane.size = views[eye].size;
       plane.word_bytes = word_bytes_of(kGBufferKinds[kind]);
       plane.words.assign(plane.size.pixels(), 0);
-      gbuffer.known_tiles[kind][eye].assign(TileGrid{plane.size}.count(), 0);
+      gbuffer.received_tiles[kind][eye].assign(TileGrid{plane.size}.count(), 0);
       gbuffer.tiles += TileGrid{plane.size}.count();
     }
 }
 
 /// What a request asks for of an eye's masks; empty: all.
-std::span<const AskedTile> asked_of(const FrameRequest& request, std::size_t eye) {
+std::span<const RequestedTile> requested_of(const FrameRequest& request, std::size_t eye) {
   if (request.answer.kind != Answer::Masks) return {};
-  return request.asked.tiles[eye];
+  return request.requested.tiles[eye];
 }
 
 void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout, LightSetRevision revision) {
@@ -59,9 +59,10 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
     const std::size_t eye = index_of(side);
     const Extent size = has_masks(request.answer.kind) ? request.views[eye].size : Extent{};
     clear(frame.masks[eye], size, layout);
-    frame.known_tiles[eye].assign(TileGrid{size}.count(), 0);
+    frame.received_tiles[eye].assign(TileGrid{size}.count(), 0);
     frame.tiles_known[eye] = 0;
-    frame.tiles_asked[eye] = AskedTiles(size, layout.lights, asked_of(frame.request, eye)).count();
+    frame.tiles_requested[eye] =
+        RequestedTiles(size, layout.lights, requested_of(frame.request, eye)).count();
   }
 }
 
@@ -71,8 +72,8 @@ Decoded<void> open_masks(RequestRecord& frame) {
   if (!opened) return opened;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const MaskLayout layout = frame.masks[eye].layout();
-    std::ranges::fill(frame.known_tiles[eye], all_planes_known(layout));
-    frame.tiles_known[eye] = frame.tiles_asked[eye] * layout.planes();
+    std::ranges::fill(frame.received_tiles[eye], all_planes_received(layout));
+    frame.tiles_known[eye] = frame.tiles_requested[eye] * layout.planes();
   }
   return {};
 }
@@ -102,17 +103,17 @@ Assembler::Assembler(std::size_t frames) : slots_(frames) {
 }
 
 void Assembler::expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
-                       const RequestOrigin& origin, const PerEye<EyeMask>* carried) {
+                       const RequestOrigin& origin, const PerEye<EyeMask>* reprojected) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
   RequestRecord& record = slots_[next_slot()];
   used_ = std::max(used_, record.slot + 1);
   reset(record, request, layout, revision);
-  if (carried != nullptr) {
+  if (reprojected != nullptr) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const EyeMask& bits = (*carried)[eye];
+      const EyeMask& bits = (*reprojected)[eye];
       check(bits.size() == request.views[eye].size && bits.layout() == layout,
-            "carried masks fit their request");
+            "reprojected masks fit their request");
       std::ranges::copy(bits.bytes(), record.masks[eye].bytes().begin());
     }
   }
@@ -184,8 +185,8 @@ const RequestRecord* Assembler::accept(const Slice& slice, Time arrived) {
   const std::size_t eye = index_of(slice.eye);
   if (frame->request.answer.coding == Coding::Lz4)
     return count(*frame, refuse(WireRefusal::AnswerSpec), frame->tiles_known[eye], arrived);
-  const std::span<const AskedTile> asked = asked_of(frame->request, eye);
-  return count(*frame, decode_slice_tiles(slice, asked, frame->masks[eye], frame->known_tiles[eye]),
+  const std::span<const RequestedTile> requested = requested_of(frame->request, eye);
+  return count(*frame, decode_slice_tiles(slice, requested, frame->masks[eye], frame->received_tiles[eye]),
                frame->tiles_known[eye], arrived);
 }
 
@@ -197,10 +198,10 @@ const RequestRecord* Assembler::accept(const PlaneSlice& slice, Time arrived) {
     return count(*frame, refuse(WireRefusal::AnswerSpec), gbuffer.tiles_known, arrived);
   if (gbuffer.tiles == 0) begin(gbuffer, frame->request.views);
   const std::size_t eye = index_of(slice.eye), kind = static_cast<std::size_t>(slice.kind);
-  return count(
-      *frame,
-      decode_plane_tiles(slice, planes_of(gbuffer.planes, slice.kind)[eye], gbuffer.known_tiles[kind][eye]),
-      gbuffer.tiles_known, arrived);
+  return count(*frame,
+               decode_plane_tiles(slice, planes_of(gbuffer.planes, slice.kind)[eye],
+                                  gbuffer.received_tiles[kind][eye]),
+               gbuffer.tiles_known, arrived);
 }
 
 const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {

@@ -20,7 +20,7 @@ namespace farshade {
 /// The planes of a G-buffer. Words of unknown tiles are 0.
 struct ReceivedGBuffer {
   GBufferPlanes planes;
-  std::array<PerEye<KnownTiles>, kGBufferKinds.size()> known_tiles;
+  std::array<PerEye<ReceivedTiles>, kGBufferKinds.size()> received_tiles;
   std::uint32_t tiles_known = 0, tiles = 0;  ///< counted over all planes of both eyes
 };
 
@@ -52,16 +52,16 @@ struct RequestRecord {
   std::optional<Time> first_piece, report_arrived;  ///< on the client's clock
   LightSetRevision light_set_revision{};
   PerEye<EyeMask> masks;
-  PerEye<KnownTiles> known_tiles;
-  PerEye<std::uint32_t> tiles_known{};  ///< each plane of a tile counts; known: its asked blocks are
-  PerEye<std::uint32_t> tiles_asked{};  ///< tiles with an asked block; others are never known
+  PerEye<ReceivedTiles> received_tiles;
+  PerEye<std::uint32_t> tiles_known{};      ///< each plane of a tile counts; known: its requested blocks are
+  PerEye<std::uint32_t> tiles_requested{};  ///< tiles with a requested block; others are never known
   ReceivedGBuffer gbuffer;
   ReceivedVideo video;
   std::optional<FrameReport> report;
 
   [[nodiscard]] bool complete(Side side) const {
     const std::size_t eye = index_of(side);
-    return tiles_known[eye] == tiles_asked[eye] * masks[eye].layout().planes();
+    return tiles_known[eye] == tiles_requested[eye] * masks[eye].layout().planes();
   }
   [[nodiscard]] bool complete() const;
   /// Parts of a block of masks are of no use before all have come.
@@ -69,7 +69,7 @@ struct RequestRecord {
     const std::uint32_t useless = request.answer.coding == Coding::Lz4 ? video.parts_known : 0;
     return pieces_known() > useless;
   }
-  /// Number of known tiles and parts.
+  /// Number of received tiles and parts.
   [[nodiscard]] std::uint32_t pieces_known() const {
     return tiles_known[0] + tiles_known[1] + gbuffer.tiles_known + video.parts_known;
   }
@@ -95,10 +95,10 @@ class Assembler {
   explicit Assembler(std::size_t frames = 8);
 
   /// Makes the record of `request`, whose answer has masks of this layout and light set. `request.frame` is
-  /// newer than every frame expected before. `carried` are the bits of the blocks that the request does not
-  /// ask for; null: it asks for all. Pointers to the record that is evicted then refer to the new one.
+  /// newer than every frame expected before. `reprojected` are the bits of the blocks that the request does
+  /// not ask for; null: it asks for all. Pointers to the record that is evicted then refer to the new one.
   void expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
-              const RequestOrigin& origin = {}, const PerEye<EyeMask>* carried = nullptr);
+              const RequestOrigin& origin = {}, const PerEye<EyeMask>* reprojected = nullptr);
 
   /// Takes a piece that came at `arrived`. Returns the record that has changed; null if nothing has.
   const RequestRecord* accept(const Slice& slice, Time arrived = {});

@@ -46,14 +46,14 @@ void FramePacker::add(const ServerMessage& message) {
   payload_bytes_ += datagram.size();
 }
 
-void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
+void FramePacker::add(const ShadowFrame& frame, const RequestedBlocks& requested,
                       const PerEye<std::span<const std::uint8_t>>& sent) {
   const Stopwatch packing;
   const std::size_t first = datagrams_.size();
   from_middle_.clear();
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    packers_[eye].start(frame, side, asked.tiles[eye], sent[eye], most_bytes_);
+    packers_[eye].start(frame, side, requested.tiles[eye], sent[eye], most_bytes_);
   }
   for (bool more = true; more;) {
     more = false;

@@ -20,9 +20,9 @@ class FramePacker {
   void begin(std::size_t most_bytes = kBaseMessage_bytes);
 
   /// Adds slices from the middle row of the views outwards, so that what matters most comes first, and those
-  /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `asked`. `sent` has
-  /// one entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
-  void add(const ShadowFrame& frame, const AskedBlocks& asked = {},
+  /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `requested`. `sent`
+  /// has one entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
+  void add(const ShadowFrame& frame, const RequestedBlocks& requested = {},
            const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
   /// Adds a coded picture or a block of masks of 1 to kMostVideoParts parts. It depends on the picture of

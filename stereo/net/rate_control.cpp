@@ -206,17 +206,17 @@ void RateControl::limit(const RateLimits& limits) {
 }
 
 void RateControl::sent(std::uint64_t counter, std::size_t bytes, Time at) {
-  record(counter, {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported});
+  record(counter, {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Outcome::Unreported});
   allowed_bytes_ = std::max<std::int64_t>(0, allowed_bytes_ - static_cast<std::int64_t>(bytes));
   if (!unheard_since_) unheard_since_ = at;
 }
 
 void RateControl::sent_elsewhere(std::uint64_t counter, Time at) {
-  record(counter, {.at = at, .fate = Fate::Elsewhere});
+  record(counter, {.at = at, .outcome = Outcome::Elsewhere});
 }
 
 void RateControl::skipped(std::uint64_t counter, Time at) {
-  record(counter, {.at = at, .fate = Fate::Skipped});
+  record(counter, {.at = at, .outcome = Outcome::Skipped});
 }
 
 void RateControl::record(std::uint64_t counter, const Record& sent) {
@@ -246,7 +246,7 @@ void RateControl::take(const ArrivalReport& report, Time now) {
   }
   unheard_since_.reset();
   unheard_ = {};
-  if (was_lied_to_) return;
+  if (got_false_report_) return;
   judge_losses();
   adapt_to_loss(now);
   adapt_to_delay(now);
@@ -261,13 +261,14 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
   std::optional<Time> newest;
   for (std::uint32_t i = 0; i < report.count; ++i) {
     Record* record = find(report.first + i);
-    if (record == nullptr || record->fate == Fate::Arrived || record->fate == Fate::Elsewhere) continue;
-    if (record->fate == Fate::Skipped) {
+    if (record == nullptr || record->outcome == Outcome::Arrived || record->outcome == Outcome::Elsewhere)
+      continue;
+    if (record->outcome == Outcome::Skipped) {
       if (report.arrived(i)) distrust();
       continue;
     }
-    record->fate = report.arrived(i) ? Fate::Arrived : Fate::Absent;
-    if (record->fate == Fate::Absent) continue;
+    record->outcome = report.arrived(i) ? Outcome::Arrived : Outcome::Absent;
+    if (record->outcome == Outcome::Absent) continue;
     const Time arrival = report.arrival(i);
     trend_.add(record->group, record->at,
                (static_cast<double>(ns_of(arrival)) - static_cast<double>(ns_of(record->at))) * 1e-6);
@@ -283,7 +284,7 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
 }
 
 void RateControl::distrust() {
-  was_lied_to_ = true;
+  got_false_report_ = true;
   rate_ = limits_.least;
 }
 
@@ -293,9 +294,9 @@ void RateControl::judge_losses() {
   for (; judged_ < next_; ++judged_) {
     const Record& record = *find(judged_);
     if (newest_arrived_ - record.at < kLate) break;
-    if (record.fate == Fate::Arrived) losses_.arrived(record.at);
-    if (record.fate == Fate::Absent) losses_.lost(record.at);
-    if (record.fate == Fate::Unreported) losses_.unreported(record.at);
+    if (record.outcome == Outcome::Arrived) losses_.arrived(record.at);
+    if (record.outcome == Outcome::Absent) losses_.lost(record.at);
+    if (record.outcome == Outcome::Unreported) losses_.unreported(record.at);
   }
 }
 

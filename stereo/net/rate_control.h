@@ -86,7 +86,7 @@ class ReceivedRate {
 /// loss.
 class LossMeter {
  public:
-  /// The fate of each datagram, in the order of sending.
+  /// The outcome of each datagram, in the order of sending.
   void arrived(Time sent);
   void lost(Time sent);
   void unreported(Time sent);  ///< in no report: may be part of an outage, but is not a loss
@@ -161,22 +161,23 @@ class RateControl {
   /// the first datagram that nothing was heard of it begins to halve every kHalving. The first arrival
   /// restores it. A new session may not send more than a little at its rate.
   [[nodiscard]] double sending_bytes_per_second() const;
-  /// Whoever has lied on one path is not trusted on the next one either: the least rate from now on.
+  /// A client that has sent a false report on one path is not trusted on the next one either: the least rate
+  /// from now on.
   void distrust();
   /// A report has named a skipped counter as arrived, or distrust() was called.
-  [[nodiscard]] bool was_lied_to() const { return was_lied_to_; }
+  [[nodiscard]] bool got_false_report() const { return got_false_report_; }
   /// Share of lost datagrams in the last window, without outages.
   [[nodiscard]] double loss() const { return losses_.loss(); }
   /// The path's base loss, which does not depend on the rate.
   [[nodiscard]] double base_loss() const { return losses_.base(); }
 
  private:
-  enum class Fate : std::uint8_t { Unreported, Absent, Arrived, Elsewhere, Skipped };
+  enum class Outcome : std::uint8_t { Unreported, Absent, Arrived, Elsewhere, Skipped };
   struct Record {
     Time at{};
     std::uint32_t group = 0;
     std::uint16_t bytes = 0;
-    Fate fate = Fate::Unreported;
+    Outcome outcome = Outcome::Unreported;
   };
   /// A lower rate because of loss, until a window sent at this rate shows whether it helped.
   struct Trial {
@@ -210,7 +211,7 @@ class RateControl {
   double rate_ = kStart;
   std::int64_t allowed_bytes_ = kFirst_bytes;   ///< of a new session
   std::int64_t ramp_left_bytes_ = kRamp_bytes;  ///< that must arrive until the session is not new any more
-  bool was_lied_to_ = false;
+  bool got_false_report_ = false;
   Duration round_trip_ = std::chrono::milliseconds(100);  ///< from sending to the report
   std::optional<double> capacity_;                        ///< rate that the path carried at the last decrease
   std::optional<Time> adapted_, lowered_;

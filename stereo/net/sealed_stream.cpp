@@ -24,15 +24,15 @@ ContentHash hello_of(StreamPurpose purpose) {
   return hash;
 }
 
-Expected<SealedStream> SealedStream::meet(TcpStream stream, StreamPurpose purpose, const SharedKey& key,
-                                          const Waiting& waiting) {
+Expected<SealedStream> SealedStream::connect(TcpStream stream, StreamPurpose purpose, const SharedKey& key,
+                                             const Waiting& waiting) {
   const Peer server = stream.peer();
-  SealedStream met(std::move(stream));
+  SealedStream connected(std::move(stream));
   const ClientHandshake handshake(key, hello_of(purpose));
-  handshake.write_hello(met.envelope_);
-  met.add_frame(met.envelope_);
-  if (auto sent = met.flush(waiting); !sent) return tl::unexpected(sent.error());
-  const auto frame = met.receive_frame(waiting);
+  handshake.write_hello(connected.envelope_);
+  connected.add_frame(connected.envelope_);
+  if (auto sent = connected.flush(waiting); !sent) return tl::unexpected(sent.error());
+  const auto frame = connected.receive_frame(waiting);
   if (!frame) return tl::unexpected(frame.error());
   const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
   if (!envelope) return strange();
@@ -44,26 +44,26 @@ Expected<SealedStream> SealedStream::meet(TcpStream stream, StreamPurpose purpos
   const auto* accept = std::get_if<Accept>(&*envelope);
   const auto completed = accept != nullptr ? handshake.take(*accept, *frame) : std::nullopt;
   if (!completed || !std::holds_alternative<Welcome>(completed->answer)) return strange();
-  met.served_ = std::get<Welcome>(completed->answer);
-  met.key_ = id_of(key);
+  connected.served_ = std::get<Welcome>(completed->answer);
+  connected.key_ = id_of(key);
   const SessionKeys& keys = completed->keys;
-  met.sealer_.emplace(keys.session, keys.to_server, keys.sealing);
-  met.opener_.emplace(keys.to_client, keys.sealing);
-  return met;
+  connected.sealer_.emplace(keys.session, keys.to_server, keys.sealing);
+  connected.opener_.emplace(keys.to_client, keys.sealing);
+  return connected;
 }
 
 Expected<SealedStream> SealedStream::admit(TcpStream stream, StreamPurpose purpose, const KeyRing& ring,
                                            const Welcome& served, const Waiting& waiting) {
   const Peer client = stream.peer();
-  SealedStream met(std::move(stream));
-  const auto frame = met.receive_frame(waiting);
+  SealedStream connected(std::move(stream));
+  const auto frame = connected.receive_frame(waiting);
   if (!frame) return tl::unexpected(frame.error());
   const Decoded<ClientEnvelope> envelope = open_client_envelope(*frame);
   if (!envelope) return strange();
   const auto refuse_openly = [&](RefusalReason reason, const HelloEcho& echo, const std::string& why) {
-    encode(OpenRefusal{.reason = reason, .echo = echo}, met.envelope_);
-    met.add_frame(met.envelope_);
-    static_cast<void>(met.flush(waiting));
+    encode(OpenRefusal{.reason = reason, .echo = echo}, connected.envelope_);
+    connected.add_frame(connected.envelope_);
+    static_cast<void>(connected.flush(waiting));
     return fail(Fault::Mismatch, why);
   };
   if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
@@ -78,13 +78,13 @@ Expected<SealedStream> SealedStream::admit(TcpStream stream, StreamPurpose purpo
                          explain(hello->key, ring, client));
   const std::optional<Accepted> accepted = accept(*hello, *frame, key->second, served);
   if (!accepted) return strange();
-  met.add_frame(accepted->datagram);
-  if (auto sent = met.flush(waiting); !sent) return tl::unexpected(sent.error());
-  met.served_ = served;
-  met.key_ = key->first;
-  met.sealer_.emplace(accepted->keys.session, accepted->keys.to_client, accepted->keys.sealing);
-  met.opener_.emplace(accepted->keys.to_server, accepted->keys.sealing);
-  return met;
+  connected.add_frame(accepted->datagram);
+  if (auto sent = connected.flush(waiting); !sent) return tl::unexpected(sent.error());
+  connected.served_ = served;
+  connected.key_ = key->first;
+  connected.sealer_.emplace(accepted->keys.session, accepted->keys.to_client, accepted->keys.sealing);
+  connected.opener_.emplace(accepted->keys.to_server, accepted->keys.sealing);
+  return connected;
 }
 
 void SealedStream::add(std::span<const std::byte> message) {

@@ -19,8 +19,8 @@ class SealedStream {
  public:
   /// The client's side: proves `key` and learns what the server serves. Mismatch if the server does not know
   /// the key or speaks another version, Malformed if it does not follow the protocol.
-  [[nodiscard]] static Expected<SealedStream> meet(TcpStream stream, StreamPurpose purpose,
-                                                   const SharedKey& key, const Waiting& waiting);
+  [[nodiscard]] static Expected<SealedStream> connect(TcpStream stream, StreamPurpose purpose,
+                                                      const SharedKey& key, const Waiting& waiting);
 
   /// The server's side. `ring` has the keys of clients by id. The client has proved its key when its first
   /// message opens, because a Hello can be repeated by others. Mismatch, with a sentence for the log, if it

@@ -18,15 +18,15 @@ PairingAnswer answer_to(const Expected<void>& added) {
 Expected<Visit> serve_client(TcpStream stream, const KeyRing& ring, const AddKey& add, const Waiting& waiting,
                              PairedClient& paired) {
   paired.client = stream.peer();
-  auto met = SealedStream::admit(std::move(stream), StreamPurpose::Pairing, ring, Welcome{}, waiting);
-  if (!met) return met.error().fault == Fault::Mismatch ? Visit::WrongCode : Visit::Nothing;
-  const auto message = met->receive(waiting);
+  auto connected = SealedStream::admit(std::move(stream), StreamPurpose::Pairing, ring, Welcome{}, waiting);
+  if (!connected) return connected.error().fault == Fault::Mismatch ? Visit::WrongCode : Visit::Nothing;
+  const auto message = connected->receive(waiting);
   const auto key = message ? decode_pairing_request(*message) : refuse(WireRefusal::Truncated);
   if (!key) return Visit::Nothing;
   const Expected<void> added = add(*key);
   const PairingAnswer answer = answer_to(added);
-  met->add(encode(answer));
-  static_cast<void>(met->flush(waiting));  // the key is in the ring, whether or not the client hears it
+  connected->add(encode(answer));
+  static_cast<void>(connected->flush(waiting));  // the key is in the ring, whether or not the client hears it
   paired.key = *key;
   if (answer == PairingAnswer::NotWritten) return tl::unexpected(added.error());
   return answer == PairingAnswer::Added ? Visit::Paired : Visit::Nothing;
@@ -67,11 +67,12 @@ Expected<void> pair_with(const PairingCode& code, const SharedKey& key, const Wa
                     ": nobody waits there any more, or a firewall is in between. Start rt_server "
                     "pair again, and open its TCP port");
   const std::string where = to_string(stream->peer());
-  auto met = SealedStream::meet(*std::move(stream), StreamPurpose::Pairing, one_time_key(code), waiting);
-  if (!met) return tl::unexpected(met.error());
-  met->add(encode_pairing_request(key));
-  if (auto sent = met->flush(waiting); !sent) return tl::unexpected(sent.error());
-  const auto message = met->receive(waiting);
+  auto connected =
+      SealedStream::connect(*std::move(stream), StreamPurpose::Pairing, one_time_key(code), waiting);
+  if (!connected) return tl::unexpected(connected.error());
+  connected->add(encode_pairing_request(key));
+  if (auto sent = connected->flush(waiting); !sent) return tl::unexpected(sent.error());
+  const auto message = connected->receive(waiting);
   if (!message)
     return fail(message.error().fault,
                 where + " did not confirm the key (" + message.error().what +

@@ -30,7 +30,7 @@ SceneState state_without_sky(const Scene& scene, std::optional<std::uint32_t> wi
 
 /// Rays meet both sides, and nothing moves.
 TracePlan plan_of(const Scene& scene) {
-  TracePlan plan = plan_for(scene, {.surround = false, .all_lights = true}).trace;
+  TracePlan plan = plan_for(scene, {.cube_mask = false, .all_lights = true}).trace;
   for (SurfaceNeeds& needs : plan.surfaces) needs.back_test = false;
   plan.moves.assign(plan.moves.size(), false);
   return plan;

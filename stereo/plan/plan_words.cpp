@@ -41,8 +41,8 @@ std::string of_meshes(const Stream& stream, const Scene& scene, std::string_view
                      megabytes(stream.spared_bytes));
 }
 
-std::string_view why(LightFate fate) {
-  return fate == LightFate::Dark ? "it has no intensity" : "it ends before the scene begins";
+std::string_view why(LightStatus status) {
+  return status == LightStatus::Dark ? "it has no intensity" : "it ends before the scene begins";
 }
 
 std::string light_words(const ScenePlan& plan) {
@@ -52,7 +52,7 @@ std::string light_words(const ScenePlan& plan) {
       line("masks", fmt::format("{} of {} lights cast shadows: {} byte{} a pixel and eye", mask.lights,
                                 plan.lights.size(), bytes, bytes == 1 ? "" : "s"));
   for (std::size_t i = 0; i < plan.lights.size(); ++i)
-    if (plan.lights[i] != LightFate::Casts)
+    if (plan.lights[i] != LightStatus::Casts)
       text += line("", fmt::format("light {} left out: {}", i, why(plan.lights[i])));
   return text;
 }
@@ -104,8 +104,8 @@ std::string session_words(const ScenePlan& plan) {
                                                : "off: there is one view, or masks fit the shown views") +
          line("depth pass", plan.draw.depth_pass ? "on where the requested views differ from the shown ones"
                                                  : "off: masks fit the shown views") +
-         line("surround", plan.draw.surround ? "on: coarse masks of all directions about the head"
-                                             : "off: this mode requests none") +
+         line("cube mask", plan.draw.cube_mask ? "on: coarse masks of all directions about the head"
+                                               : "off: this mode requests none") +
          line("requests",
               plan.draw.anything_moves()
                   ? "in each frame: something moves"

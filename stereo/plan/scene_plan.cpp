@@ -28,20 +28,21 @@ bool anything_seen_moves(const Scene& scene) {
   return std::ranges::any_of(scene.instances, [&](const Instance& i) { return can_move(scene, i); });
 }
 
-LightFate fate_of(const Scene& scene, const LightSource& source, Light light) {
-  if (source.intensity == glm::vec3(0.0f)) return LightFate::Dark;
-  if (moves(scene, source.node) || anything_seen_moves(scene)) return LightFate::Casts;
+LightStatus status_of(const Scene& scene, const LightSource& source, Light light) {
+  if (source.intensity == glm::vec3(0.0f)) return LightStatus::Dark;
+  if (moves(scene, source.node) || anything_seen_moves(scene)) return LightStatus::Casts;
   light.range_m = source.range_m.value_or(0.0f);  // the largest, if it is animated
   light.outer_cone_rad = source.outer_cone_rad;
-  return may_reach(light, scene.bounds) ? LightFate::Casts : LightFate::OutOfReach;
+  return may_reach(light, scene.bounds) ? LightStatus::Casts : LightStatus::OutOfReach;
 }
 
-std::vector<LightFate> fates_of(const Scene& scene, const SessionNeeds& needs) {
-  std::vector<LightFate> fates(scene.lights.size(), LightFate::Casts);
-  if (needs.all_lights || needs.kind == PlanKind::Everything) return fates;
+std::vector<LightStatus> statuses_of(const Scene& scene, const SessionNeeds& needs) {
+  std::vector<LightStatus> statuses(scene.lights.size(), LightStatus::Casts);
+  if (needs.all_lights || needs.kind == PlanKind::Everything) return statuses;
   const LightSet lights = state_at(scene, Time{}).light_set;
-  for (std::size_t i = 0; i < fates.size(); ++i) fates[i] = fate_of(scene, scene.lights[i], lights.lights[i]);
-  return fates;
+  for (std::size_t i = 0; i < statuses.size(); ++i)
+    statuses[i] = status_of(scene, scene.lights[i], lights.lights[i]);
+  return statuses;
 }
 
 /// Leaves nothing out, whatever the scene and the session need.
@@ -54,7 +55,7 @@ void turn_everything_on(ScenePlan& plan) {
   plan.trace.skips_rays = plan.trace.shares_views = plan.draw.builds_late = false;
   plan.draw.detail_px = 0;
   plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass =
-      plan.draw.surround = true;
+      plan.draw.cube_mask = true;
 }
 
 }  // namespace
@@ -64,8 +65,8 @@ bool DrawPlan::anything_moves() const {
 }
 
 ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
-  ScenePlan plan{.kind = needs.kind, .lights = fates_of(scene, needs), .trace = {}, .draw = {}};
-  const auto casting = narrow<std::uint32_t>(std::ranges::count(plan.lights, LightFate::Casts));
+  ScenePlan plan{.kind = needs.kind, .lights = statuses_of(scene, needs), .trace = {}, .draw = {}};
+  const auto casting = narrow<std::uint32_t>(std::ranges::count(plan.lights, LightStatus::Casts));
   plan.server = casting > 0;
   plan.trace.mask = plan.draw.mask = {.lights = casting};
   for (const Mesh& mesh : scene.meshes) plan.trace.surfaces.push_back(needs_of(scene, mesh));
@@ -74,14 +75,14 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   plan.draw.moves = plan.trace.moves;
   plan.draw.lights_move = plan.draw.ranges_and_cones = false;
   for (std::size_t i = 0; i < plan.lights.size(); ++i) {
-    if (plan.lights[i] != LightFate::Casts) continue;
+    if (plan.lights[i] != LightStatus::Casts) continue;
     const LightSource& light = scene.lights[i];
     plan.draw.lights_move |= moves(scene, light.node) || changes_reach(light);
     plan.draw.ranges_and_cones |= light.kind == LightKind::Spot || light.range_m.value_or(0) > 0;
   }
-  plan.draw.other_eye = needs.two_views && needs.carries_over;
-  plan.draw.depth_pass = needs.carries_over;
-  plan.draw.surround = needs.surround && needs.carries_over;
+  plan.draw.other_eye = needs.two_views && needs.reprojects;
+  plan.draw.depth_pass = needs.reprojects;
+  plan.draw.cube_mask = needs.cube_mask && needs.reprojects;
   plan.draw.detail_px = needs.detail_px;
   plan.draw.ambient = scene.ambient;
   if (needs.kind == PlanKind::Everything) turn_everything_on(plan);
@@ -91,7 +92,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
 PlannedScene plan_scene(Scene scene, const SessionNeeds& needs) {
   ScenePlan plan = plan_for(scene, needs);
   std::size_t light = 0;
-  std::erase_if(scene.lights, [&](const LightSource&) { return plan.lights[light++] != LightFate::Casts; });
+  std::erase_if(scene.lights, [&](const LightSource&) { return plan.lights[light++] != LightStatus::Casts; });
   return {std::move(scene), std::move(plan)};
 }
 

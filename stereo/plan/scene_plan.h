@@ -25,16 +25,16 @@ enum class PlanKind : std::uint8_t {
 /// What a session may ask for. The defaults are those of a server, which plans for every possible session.
 struct SessionNeeds {
   PlanKind kind = PlanKind::Needed;
-  bool two_views = true;     ///< the eyes look from different places
-  bool carries_over = true;  ///< masks are reprojected; false: they are traced for the shown views
-  bool surround = true;      ///< masks of all directions may be requested; only looked up if carried over
-  bool all_lights = false;   ///< lights that reach nothing keep their bits too
-  float detail_px = 0;       ///< limit of the geometric error of what is drawn, pixels; 0: full detail
+  bool two_views = true;    ///< the eyes look from different places
+  bool reprojects = true;   ///< masks are reprojected; false: they are traced for the shown views
+  bool cube_mask = true;    ///< masks of all directions may be requested; only looked up if reprojected
+  bool all_lights = false;  ///< lights that reach nothing keep their bits too
+  float detail_px = 0;      ///< limit of the geometric error of what is drawn, pixels; 0: full detail
   friend bool operator==(const SessionNeeds&, const SessionNeeds&) = default;
 };
 
 /// Whether a light of the file is kept.
-enum class LightFate : std::uint8_t {
+enum class LightStatus : std::uint8_t {
   Casts,       ///< kept: has a bit in every mask
   Dark,        ///< removed: its intensity is always 0
   OutOfReach,  ///< removed: its range or its cone ends before the scene begins, and neither ever moves
@@ -67,7 +67,7 @@ struct DrawPlan {
   bool ranges_and_cones = true;  ///< some light has a range or a cone
   bool other_eye = true;         ///< the other eye's masks are looked up
   bool depth_pass = true;        ///< requested views may differ from the shown ones
-  bool surround = true;          ///< masks of all directions about the head are kept and looked up
+  bool cube_mask = true;         ///< masks of all directions about the head are kept and looked up
   bool builds_late = true;       ///< pipelines are created when first needed
   float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
   float ambient = 0;             ///< of the scene
@@ -78,8 +78,8 @@ struct DrawPlan {
 
 struct ScenePlan {
   PlanKind kind = PlanKind::Needed;
-  std::vector<LightFate> lights;  ///< one per light of the file
-  bool server = true;             ///< some light casts shadows, so masks are requested
+  std::vector<LightStatus> lights;  ///< one per light of the file
+  bool server = true;               ///< some light casts shadows, so masks are requested
   TracePlan trace;
   DrawPlan draw;
 };

@@ -22,11 +22,12 @@ BlockBits blocks_inside(const TileRect& rect) {
 }
 
 /// Appends the blocks `bits` of a tile, with the shares that are asked for there.
-void append(BlockBits bits, const AskedTile& asked, const TileRect& rect, BlockGroup& group) {
+void append(BlockBits bits, const RequestedTile& requested, const TileRect& rect, BlockGroup& group) {
   for (std::uint32_t block = 0; block < kGroupBlocks; ++block) {
     if ((bits >> block & 1u) == 0) continue;
     for (std::uint32_t share = 0; share < kMostShares; ++share)
-      group.asked.shares[share] |= static_cast<BlockBits>((asked.shares[share] >> block & 1u) << group.count);
+      group.requested.shares[share] |=
+          static_cast<BlockBits>((requested.shares[share] >> block & 1u) << group.count);
     group.blocks[static_cast<std::size_t>(group.count++)] = {
         static_cast<std::uint16_t>(rect.x0 + block % kTileBlocks * kBlockSide_px),
         static_cast<std::uint16_t>(rect.y0 + block / kTileBlocks * kBlockSide_px)};
@@ -36,9 +37,9 @@ void append(BlockBits bits, const AskedTile& asked, const TileRect& rect, BlockG
 /// Fills groups with the blocks of one square after the other.
 class Grouping {
  public:
-  Grouping(Extent size, std::span<const AskedTile> asked) : grid_{size}, asked_(asked) {}
+  Grouping(Extent size, std::span<const RequestedTile> requested) : grid_{size}, requested_(requested) {}
 
-  /// Adds the asked blocks of the square of tiles that begins at (left, top).
+  /// Adds the requested blocks of the square of tiles that begins at (left, top).
   void add_square(std::uint32_t left, std::uint32_t top) {
     for (std::uint32_t row = top; row < std::min(top + kSquareTiles, grid_.rows()); ++row)
       for (std::uint32_t column = left; column < std::min(left + kSquareTiles, grid_.columns()); ++column)
@@ -50,9 +51,9 @@ class Grouping {
  private:
   void add_tile(std::uint32_t tile) {
     const TileRect rect = grid_.rect(tile);
-    const auto bits = static_cast<BlockBits>(asked_[tile].any() & blocks_inside(rect));
+    const auto bits = static_cast<BlockBits>(requested_[tile].any() & blocks_inside(rect));
     if (open_.count + std::popcount(bits) > kGroupBlocks) close();
-    append(bits, asked_[tile], rect, open_);
+    append(bits, requested_[tile], rect, open_);
   }
   void close() {
     if (open_.count > 0) groups_.push_back(open_);
@@ -60,7 +61,7 @@ class Grouping {
   }
 
   TileGrid grid_;
-  std::span<const AskedTile> asked_;
+  std::span<const RequestedTile> requested_;
   BlockGroup open_;
   std::vector<BlockGroup> groups_;
 };
@@ -73,17 +74,18 @@ BlockGroup group_of(const TileRect& rect, std::uint32_t lights) {
   return group;
 }
 
-std::vector<BlockGroup> groups_of(Extent size, std::uint32_t lights, std::span<const AskedTile> asked) {
+std::vector<BlockGroup> groups_of(Extent size, std::uint32_t lights,
+                                  std::span<const RequestedTile> requested) {
   const TileGrid grid{size};
-  if (asked.empty()) {
+  if (requested.empty()) {
     std::vector<BlockGroup> groups;
     groups.reserve(grid.count());
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
       groups.push_back(group_of(grid.rect(tile), lights));
     return groups;
   }
-  check_eq(asked.size(), std::size_t{grid.count()}, "a set of blocks for each tile");
-  Grouping grouping(size, asked);
+  check_eq(requested.size(), std::size_t{grid.count()}, "a set of blocks for each tile");
+  Grouping grouping(size, requested);
   for (std::uint32_t top = 0; top < grid.rows(); top += kSquareTiles)
     for (std::uint32_t left = 0; left < grid.columns(); left += kSquareTiles) grouping.add_square(left, top);
   return grouping.take();

@@ -1,4 +1,4 @@
-/// The tracer's work list: the asked blocks of a view, in groups of up to 256 pixels that are traced
+/// The tracer's work list: the requested blocks of a view, in groups of up to 256 pixels that are traced
 /// together.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "stereo/frame/asked_blocks.h"
+#include "stereo/frame/requested_blocks.h"
 
 namespace farshade {
 
@@ -24,13 +24,13 @@ struct BlockPlace {
 struct BlockGroup {
   std::array<BlockPlace, kGroupBlocks> blocks{};
   int count = 0;
-  AskedTile asked{};  ///< bit i of a share: it is asked for in block i of the group
+  RequestedTile requested{};  ///< bit i of a share: it is asked for in block i of the group
 };
 
-/// The groups of a view of `size` pixels, for masks of `lights` lights. `asked` has one entry per tile, or
-/// none for the whole view.
+/// The groups of a view of `size` pixels, for masks of `lights` lights. `requested` has one entry per tile,
+/// or none for the whole view.
 [[nodiscard]] std::vector<BlockGroup> groups_of(Extent size, std::uint32_t lights,
-                                                std::span<const AskedTile> asked);
+                                                std::span<const RequestedTile> requested);
 
 /// The group of one whole tile.
 [[nodiscard]] BlockGroup group_of(const TileRect& rect, std::uint32_t lights);

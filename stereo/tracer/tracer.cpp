@@ -187,7 +187,7 @@ void for_each_light(std::span<const ShadowLight> lights, const BlockGroup& group
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t bit = 0; bit < layout.lights_in(plane); ++bit) {
       const std::uint32_t light = plane * 32 + bit;
-      const BlockBits blocks = group.asked.of(light);
+      const BlockBits blocks = group.requested.of(light);
       if (lights[light].on && blocks != kNoBlocks) act(light, blocks, 1u << bit, words);
     }
     write_plane(words, group, plane, mask);
@@ -300,7 +300,7 @@ float Tracer::Impl::reach() const {
 }
 
 /// Sets scene, lights and work list to those of the request, and everything of `frame` except the bits of
-/// asked blocks. Returns the time of the scene's update.
+/// requested blocks. Returns the time of the scene's update.
 Duration Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
   const Stopwatch watch;
@@ -313,9 +313,9 @@ Duration Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) 
     EyeMask& mask = frame.masks[eye];
     if (mask.size() != request.views[eye].size || mask.layout() != plan.mask)
       mask = EyeMask(request.views[eye].size, plan.mask);
-    const std::vector<AskedTile>& asked = request.asked.tiles[eye];
-    groups[eye] = groups_of(mask.size(), plan.mask.lights, asked);
-    if (!asked.empty()) std::ranges::fill(mask.bytes(), std::byte{});  // whole views overwrite every word
+    const std::vector<RequestedTile>& requested = request.requested.tiles[eye];
+    groups[eye] = groups_of(mask.size(), plan.mask.lights, requested);
+    if (!requested.empty()) std::ranges::fill(mask.bytes(), std::byte{});  // whole views overwrite every word
   }
   return update;
 }
@@ -374,7 +374,7 @@ TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame, const 
   const PerEye<ViewRays> views{rays_of(request.views[0], anchor_from_stage),
                                rays_of(request.views[1], anchor_from_stage)};
   const bool same = impl_->plan.shares_views && request.views[0] == request.views[1] &&
-                    request.asked.tiles[0] == request.asked.tiles[1];
+                    request.requested.tiles[0] == request.requested.tiles[1];
   TraceStats stats = impl_->trace_frame(views, same, frame, give_up);
   stats.update = update;
   return stats;
@@ -382,7 +382,7 @@ TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame, const 
 
 TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                          const PositionGrid& grid, ShadowFrame& frame, const GiveUp& give_up) {
-  check(request.asked.whole(), "positions are those of whole views");
+  check(request.requested.whole(), "positions are those of whole views");
   const Duration update = impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const float reach = impl_->reach();

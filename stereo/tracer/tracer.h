@@ -42,7 +42,7 @@ struct TraceStats {
   /// Wall time of both eyes. The two stages of a tile run directly after one another, so the wall time is
   /// divided in proportion to the core time of each stage.
   Duration primary{}, shadow{};
-  std::uint64_t primary_rays = 0, shadow_rays = 0;  ///< primary rays: pixels of asked blocks
+  std::uint64_t primary_rays = 0, shadow_rays = 0;  ///< primary rays: pixels of requested blocks
   /// Shadow rays of a trace that skips nothing: for each light that is on, the covered pixels of the blocks
   /// that are asked for in this light, both eyes.
   std::uint64_t full_shadow_rays = 0;
@@ -100,7 +100,7 @@ class Tracer {
 
   /// Traces `request` (valid views) into `frame`, whose buffers are reused, against the scene at the
   /// request's scene_time and with the request's lights. No light change is kept for the next request. If
-  /// both views and their asked blocks coincide, one is traced and copied. One call at a time. Uses all
+  /// both views and their requested blocks coincide, one is traced and copied. One call at a time. Uses all
   /// cores.
   ///
   /// Traces only what the request asks for, and sets all other bits to 0. Bits that are asked for are the

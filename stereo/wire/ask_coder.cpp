@@ -86,13 +86,13 @@ const typename AskCoder<Io>::Tile* AskCoder<Io>::near(std::uint32_t tile, int dx
 }
 
 template <class Io>
-void AskCoder<Io>::tile(std::uint32_t tile, AskedTile& asked) {
+void AskCoder<Io>::tile(std::uint32_t tile, RequestedTile& requested) {
   const Tile *west = near(tile, -1, 0), *north = near(tile, 0, -1);
   const Tile *north_west = near(tile, -1, -1), *north_east = near(tile, 1, -1);
   const auto any_of = [](const Tile* other) {
     return other == nullptr ? kUnknownCell : Neighbour{other->any};
   };
-  Tile coded{.any = asked.any()};
+  Tile coded{.any = requested.any()};
   cell({.west = any_of(west),
         .north = any_of(north),
         .north_west = any_of(north_west),
@@ -101,12 +101,12 @@ void AskCoder<Io>::tile(std::uint32_t tile, AskedTile& asked) {
   if (coded.any != kNoBlocks) {
     for (std::uint32_t share = 0; share < shares_; ++share)
       for (std::uint32_t block = 0; block < 16; ++block)
-        coded.blocks[block] |= static_cast<BlockShares>((asked.shares[share] >> block & 1u) << share);
+        coded.blocks[block] |= static_cast<BlockShares>((requested.shares[share] >> block & 1u) << share);
     shares(west, north, north_west, north_east, coded);
-    asked = {};
+    requested = {};
     for (std::uint32_t share = 0; share < shares_; ++share)
       for (std::uint32_t block = 0; block < 16; ++block)
-        asked.shares[share] |= static_cast<BlockBits>((coded.blocks[block] >> share & 1u) << block);
+        requested.shares[share] |= static_cast<BlockBits>((coded.blocks[block] >> share & 1u) << block);
   }
   coded_.push_back(coded);
 }
@@ -179,9 +179,9 @@ template class AskCoder<RangeDecoder>;
 template class AskCoder<DecisionCounts>;
 
 void AskPacker::start(FrameId frame, Side eye, Extent size, std::uint32_t lights,
-                      std::span<const AskedTile> asked) {
-  check_eq(asked.size(), std::size_t{TileGrid{size}.count()}, "each tile has its asked blocks");
-  asked_ = asked;
+                      std::span<const RequestedTile> requested) {
+  check_eq(requested.size(), std::size_t{TileGrid{size}.count()}, "each tile has its requested blocks");
+  requested_ = requested;
   slice_ = {.frame = frame, .eye = eye, .size = size, .lights = lights};
 }
 
@@ -195,8 +195,8 @@ std::optional<AskSlice> AskPacker::next() {
   const std::uint32_t end = std::min(grid.count(), slice_.first_tile + kMostAskTiles);
   std::uint32_t tile = slice_.first_tile;
   for (; tile < end; ++tile) {
-    AskedTile asked = asked_[tile];
-    coder.tile(tile, asked);
+    RequestedTile requested = requested_[tile];
+    coder.tile(tile, requested);
     if (encoder.size_bytes() > kMaxAskBlock_bytes) break;
     fits = encoder.mark();
   }
@@ -211,22 +211,22 @@ std::optional<AskSlice> AskPacker::next() {
   return made;
 }
 
-Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<AskedTile>& asked,
-                                        KnownTiles& known) {
+Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<RequestedTile>& requested,
+                                        ReceivedTiles& known) {
   const TileGrid grid{slice.size};
-  if (asked.size() != grid.count()) return refuse(WireRefusal::OtherMask);
-  check_eq(known.size(), asked.size(), "an entry for each tile");
+  if (requested.size() != grid.count()) return refuse(WireRefusal::OtherMask);
+  check_eq(known.size(), requested.size(), "an entry for each tile");
   check(slice.first_tile + slice.tile_count <= grid.count(), "a slice is within its grid");
-  if (is_any_known(known, slice.first_tile, slice.tile_count, 1)) return 0u;
+  if (is_any_received(known, slice.first_tile, slice.tile_count, 1)) return 0u;
   RangeDecoder decoder(slice.block);
   AskModels models(kInitialAskModels);
   AskCoder coder(decoder, models, grid.columns(), slice.lights);
-  std::vector<AskedTile> decoded(slice.tile_count);
+  std::vector<RequestedTile> decoded(slice.tile_count);
   for (std::uint32_t i = 0; i < slice.tile_count && !decoder.has_failed(); ++i)
     coder.tile(slice.first_tile + i, decoded[i]);
   if (!decoder.is_at_end()) return refuse(WireRefusal::Block);
   for (std::uint32_t i = 0; i < slice.tile_count; ++i) {
-    asked[slice.first_tile + i] = decoded[i];
+    requested[slice.first_tile + i] = decoded[i];
     known[slice.first_tile + i] = 1;
   }
   return slice.tile_count;

@@ -1,9 +1,9 @@
 /// Ask coder: packs what a request asks for into AskSlices that decode independently.
 ///
-/// The blocks of a tile that are asked for in any light are one cell (cells.h). Asked blocks follow shadow
-/// edges, so they are thin curves. Then each of these blocks has its shares of the lights: an edge is mostly
-/// that of one light, and it goes on from block to block; at borders and for a refresh, all lights are asked
-/// for.
+/// The blocks of a tile that are asked for in any light are one cell (cells.h). Requested blocks follow
+/// shadow edges, so they are thin curves. Then each of these blocks has its shares of the lights: an edge is
+/// mostly that of one light, and it goes on from block to block; at borders and for a refresh, all lights are
+/// asked for.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/frame/asked_blocks.h"
-#include "stereo/frame/known_tiles.h"
+#include "stereo/frame/received_tiles.h"
+#include "stereo/frame/requested_blocks.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/cells.h"
 #include "stereo/wire/mask_models.h"
@@ -45,8 +45,8 @@ class AskCoder {
   AskCoder(Io& io, AskModels& models, std::uint32_t columns, std::uint32_t lights)
       : io_(io), models_(models), columns_(columns), shares_(shares_of(lights)) {}
 
-  /// Codes the next tile. An encoder takes `asked`, a decoder sets it.
-  void tile(std::uint32_t tile, AskedTile& asked);
+  /// Codes the next tile. An encoder takes `requested`, a decoder sets it.
+  void tile(std::uint32_t tile, RequestedTile& requested);
 
  private:
   struct Tile {
@@ -72,28 +72,31 @@ class AskCoder {
 
 /// Packs one eye after another.
 ///
-///     packer.start(frame, eye, size, lights, asked);
+///     packer.start(frame, eye, size, lights, requested);
 ///     while (const std::optional<AskSlice> slice = packer.next()) send(*slice);
 class AskPacker {
  public:
-  /// `asked` has one entry for each tile of a view of `size`. It must stay unchanged until the last slice.
-  void start(FrameId frame, Side eye, Extent size, std::uint32_t lights, std::span<const AskedTile> asked);
+  /// `requested` has one entry for each tile of a view of `size`. It must stay unchanged until the last
+  /// slice.
+  void start(FrameId frame, Side eye, Extent size, std::uint32_t lights,
+             std::span<const RequestedTile> requested);
 
   /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<AskSlice> next();
 
  private:
-  std::span<const AskedTile> asked_;
+  std::span<const RequestedTile> requested_;
   AskSlice slice_;  ///< fields that all slices of this eye share, and the next slice's first tile
   std::vector<std::byte> block_;
 };
 
-/// Writes the tiles of a decoded slice into `asked` and sets their entries in `known` to 1. Both have one
-/// entry for each tile. Returns the number of these tiles; 0 for a duplicate, which is a slice with a known
-/// tile: it is not decoded and changes nothing. Refuses a slice whose grid has another number of tiles, and a
-/// block that does not end with the slice's tiles. After a refusal asked and known are unchanged. The caller
-/// checks that slice.lights is the number of lights that it has.
-[[nodiscard]] Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<AskedTile>& asked,
-                                                      KnownTiles& known);
+/// Writes the tiles of a decoded slice into `requested` and sets their entries in `known` to 1. Both have one
+/// entry for each tile. Returns the number of these tiles; 0 for a duplicate, which is a slice with a
+/// received tile: it is not decoded and changes nothing. Refuses a slice whose grid has another number of
+/// tiles, and a block that does not end with the slice's tiles. After a refusal `requested` and `known` are
+/// unchanged. The caller checks that slice.lights is the number of lights that it has.
+[[nodiscard]] Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice,
+                                                      std::vector<RequestedTile>& requested,
+                                                      ReceivedTiles& known);
 
 }  // namespace farshade

@@ -1,6 +1,7 @@
 /// Cells: squares of 4x4 bits, and the contexts in which they are coded. A cell is one light in a block of a
-/// mask (mask_coder.h), or the asked blocks of a tile (ask_coder.h). Cells are coded row by row from the top
-/// left, so a cell knows the cells left of it, above it, and diagonally above it. PROTOCOL.md has the rules.
+/// mask (mask_coder.h), or the requested blocks of a tile (ask_coder.h). Cells are coded row by row from the
+/// top left, so a cell knows the cells left of it, above it, and diagonally above it. PROTOCOL.md has the
+/// rules.
 #pragma once
 
 #include <array>

@@ -146,8 +146,8 @@ void add_edges(const Neighbours& around, std::uint32_t cell, Cell& beside, Cell&
 
 }  // namespace
 
-void CodedTiles::add(const AskedTile& asked, std::uint32_t lights, const TileBits& bits) {
-  tiles_.push_back({.asked = asked,
+void CodedTiles::add(const RequestedTile& requested, std::uint32_t lights, const TileBits& bits) {
+  tiles_.push_back({.requested = requested,
                     .lights = lights,
                     .varies = bits.varies,
                     .value = bits.value,
@@ -174,40 +174,40 @@ void CodedTiles::read(const CodedTile& tile, TileBits& bits) const {
 }
 
 template <class Io>
-void MaskCoder<Io>::ask(const AskedTile& asked) {
-  asked_ = asked;
-  asked_lights_ = lights_asked(asked, lights_);
-  whole_ = std::ranges::all_of(std::span(asked.shares).first(shares_of(lights_)),
+void MaskCoder<Io>::ask(const RequestedTile& requested) {
+  requested_ = requested;
+  requested_lights_ = lights_requested(requested, lights_);
+  whole_ = std::ranges::all_of(std::span(requested.shares).first(shares_of(lights_)),
                                [](BlockBits blocks) { return blocks == kAllBlocks; });
 }
 
 template <class Io>
-void MaskCoder<Io>::tile(const AskedTile& asked, TileBits& bits) {
-  if (asked != asked_) ask(asked);
-  bits.varies &= asked_lights_;
-  bits.value &= asked_lights_;
-  if (asked_lights_ != 0) {
+void MaskCoder<Io>::tile(const RequestedTile& requested, TileBits& bits) {
+  if (requested != requested_) ask(requested);
+  bits.varies &= requested_lights_;
+  bits.value &= requested_lights_;
+  if (requested_lights_ != 0) {
     west_ = coded_.near(-1, 0);
     north_ = coded_.near(0, -1);
     north_west_ = coded_.near(-1, -1);
     north_east_ = coded_.near(1, -1);
     if (!as_guessed(bits)) {
       varied_ = 0;
-      for (std::uint32_t rest = asked_lights_; rest != 0; rest &= rest - 1)
+      for (std::uint32_t rest = requested_lights_; rest != 0; rest &= rest - 1)
         light(static_cast<std::uint32_t>(std::countr_zero(rest)), bits);
     }
   }
-  coded_.add(asked, asked_lights_, bits);
+  coded_.add(requested, requested_lights_, bits);
 }
 
 template <class Io>
-void MaskCoder<Io>::plain_tile(const AskedTile& asked, TileBits& bits) {
-  bits.varies = lights_asked(asked, lights_);
+void MaskCoder<Io>::plain_tile(const RequestedTile& requested, TileBits& bits) {
+  bits.varies = lights_requested(requested, lights_);
   bits.value = 0;
   for (std::uint32_t light = 0; light < lights_; ++light)
     for (std::uint32_t block = 0; block < 16; ++block)
-      if ((asked.of(light) >> block & 1) != 0) io_.plain(bits.cells[light][block]);
-  coded_.add(asked, bits.varies, bits);
+      if ((requested.of(light) >> block & 1) != 0) io_.plain(bits.cells[light][block]);
+  coded_.add(requested, bits.varies, bits);
 }
 
 /// For each light its value in the tile left, if it has one there, else in the tile above, else in the pixel
@@ -216,22 +216,23 @@ template <class Io>
 std::uint32_t MaskCoder<Io>::guess() const {
   const std::uint32_t left = even_lights(west_), above = even_lights(north_) & ~left;
   std::uint32_t word = (left != 0 ? west_->value & left : 0) | (above != 0 ? north_->value & above : 0);
-  for (std::uint32_t rest = asked_lights_ & ~(left | above); rest != 0; rest &= rest - 1) {
+  for (std::uint32_t rest = requested_lights_ & ~(left | above); rest != 0; rest &= rest - 1) {
     const auto light = static_cast<std::uint32_t>(std::countr_zero(rest));
     Touch beside = touch(coded_.cell(west_, light, 3), kUpperRight);
     if (beside == kUnknown) beside = touch(coded_.cell(north_, light, 12), kLowerLeft);
     if (beside == kSet) word |= 1u << light;
   }
-  return word & asked_lights_;
+  return word & requested_lights_;
 }
 
 /// Codes whether all lights have their guess in all pixels. Then the tile is complete.
 template <class Io>
 bool MaskCoder<Io>::as_guessed(TileBits& bits) {
-  const std::uint32_t west = kind_of(west_, asked_lights_), north = kind_of(north_, asked_lights_);
-  const std::uint32_t north_east = kind_of(north_east_, asked_lights_), guessed = guess();
-  const bool agree = west == 0 && north == 0 &&
-                     ((west_->value ^ north_->value) & west_->lights & north_->lights & asked_lights_) == 0;
+  const std::uint32_t west = kind_of(west_, requested_lights_), north = kind_of(north_, requested_lights_);
+  const std::uint32_t north_east = kind_of(north_east_, requested_lights_), guessed = guess();
+  const bool agree =
+      west == 0 && north == 0 &&
+      ((west_->value ^ north_->value) & west_->lights & north_->lights & requested_lights_) == 0;
   const std::size_t context =
       (((west * 3 + north) * 3 + north_east) * 2 + (agree ? 1 : 0)) * 2 + (whole_ ? 1 : 0);
   if (code(kTileModels + context, bits.varies != 0 || bits.value != guessed)) return false;
@@ -244,9 +245,9 @@ template <class Io>
 void MaskCoder<Io>::light(std::uint32_t light, TileBits& bits) {
   const std::uint32_t mask = 1u << light;
   const Touch west = state_of(west_, light), north = state_of(north_, light);
-  const bool is_first = (asked_lights_ & (mask - 1)) == 0;
+  const bool is_first = (requested_lights_ & (mask - 1)) == 0;
   const std::size_t before = is_first ? 0 : varied_ == 0 ? 1 : 2;
-  const std::size_t whole = asked_.of(light) == kAllBlocks ? 0 : 1;
+  const std::size_t whole = requested_.of(light) == kAllBlocks ? 0 : 1;
   if (code(kLightModels + ((whole * 3 + before) * 4 + west) * 4 + north, (bits.varies & mask) != 0)) {
     bits.varies |= mask;
     bits.value &= ~mask;
@@ -278,11 +279,11 @@ void MaskCoder<Io>::cells(std::uint32_t light, TileCells& cells) {
     grid[i + 1] = coded_.cell(north_, light, 12 + i);
     grid[std::size_t{i + 1} * kColumns] = coded_.cell(west_, light, kTileBlocks * i + 3);
   }
-  const bool more_follow = asked_lights_ >> light >> 1 != 0;
-  const std::uint32_t asked = asked_.of(light);
+  const bool more_follow = requested_lights_ >> light >> 1 != 0;
+  const std::uint32_t requested = requested_.of(light);
   CellCoder<Io> coder(io_, models_, varied_ != 0);
   for (std::uint32_t block = 0; block < 16; ++block) {
-    if ((asked >> block & 1) == 0) continue;
+    if ((requested >> block & 1) == 0) continue;
     const std::uint32_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
     const Neighbours around{.west = grid[at - 1],
                             .north = grid[at - kColumns],

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stereo/frame/asked_blocks.h"
+#include "stereo/frame/requested_blocks.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/cells.h"
 #include "stereo/wire/mask_models.h"
@@ -22,8 +22,8 @@ namespace farshade {
 
 /// A tile of a slice after it was coded.
 struct CodedTile {
-  AskedTile asked{};         ///< its blocks that are in the slice
-  std::uint32_t lights = 0;  ///< those of the plane that some block is asked for in
+  RequestedTile requested{};  ///< its blocks that are in the slice
+  std::uint32_t lights = 0;   ///< those of the plane that some block is asked for in
   std::uint32_t varies = 0, value = 0;
   std::uint32_t first = 0;  ///< index of the cells of the first light that varies; the others follow
 };
@@ -38,14 +38,14 @@ class CodedTiles {
     tiles_.clear();
     cells_.clear();
   }
-  void add(const AskedTile& asked, std::uint32_t lights, const TileBits& bits);
+  void add(const RequestedTile& requested, std::uint32_t lights, const TileBits& bits);
   void add_nothing() { tiles_.emplace_back(); }
 
   [[nodiscard]] std::uint32_t next() const { return first_ + static_cast<std::uint32_t>(tiles_.size()); }
   /// The tile (dx, dy) away from the next one; null if it has no light in this slice.
   [[nodiscard]] const CodedTile* near(int dx, int dy) const;
   [[nodiscard]] Neighbour cell(const CodedTile* tile, std::uint32_t light, std::uint32_t block) const {
-    if (tile == nullptr || (tile->asked.of(light) >> block & 1) == 0) return kUnknownCell;
+    if (tile == nullptr || (tile->requested.of(light) >> block & 1) == 0) return kUnknownCell;
     if ((tile->varies >> light & 1) == 0) return cell_of((tile->value >> light & 1) != 0);
     return cells_[tile->first + rank(tile->varies, light)][block];
   }
@@ -81,13 +81,13 @@ class MaskCoder {
 
   /// Codes what is asked for of the next tile and adds it to the coded tiles. Lights that are not asked for
   /// cost no decision. An encoder takes `bits` as split_tile() makes them, a decoder sets them.
-  void tile(const AskedTile& asked, TileBits& bits);
+  void tile(const RequestedTile& requested, TileBits& bits);
 
   /// The same for a tile whose cells are coded as plain bits.
-  void plain_tile(const AskedTile& asked, TileBits& bits);
+  void plain_tile(const RequestedTile& requested, TileBits& bits);
 
  private:
-  void ask(const AskedTile& asked);
+  void ask(const RequestedTile& requested);
   [[nodiscard]] std::uint32_t guess() const;
   bool as_guessed(TileBits& bits);
   void light(std::uint32_t light, TileBits& bits);
@@ -104,9 +104,9 @@ class MaskCoder {
   CodedTiles& coded_;
   std::uint32_t lights_;
   // The tile being coded.
-  AskedTile asked_{};
-  std::uint32_t asked_lights_ = 0;  ///< those of the plane that some block is asked for in
-  bool whole_ = false;              ///< all blocks are asked for in all lights of the plane
+  RequestedTile requested_{};
+  std::uint32_t requested_lights_ = 0;  ///< those of the plane that some block is asked for in
+  bool whole_ = false;                  ///< all blocks are asked for in all lights of the plane
   const CodedTile *west_ = nullptr, *north_ = nullptr, *north_west_ = nullptr, *north_east_ = nullptr;
   std::uint32_t varied_ = 0;  ///< lights so far that vary
   /// Pixels that differ from the one left of them, or above them, in a light so far.

@@ -71,7 +71,8 @@ struct PlaneSlice {
   std::span<const std::byte> block{};  ///< LZ4; points into the received message or the packer
 };
 
-/// The asked blocks of consecutive tiles of one eye's view. It decodes without any other slice (ask_coder.h).
+/// The requested blocks of consecutive tiles of one eye's view. It decodes without any other slice
+/// (ask_coder.h).
 struct AskSlice {
   FrameId frame{};
   Side eye = Side::Left;

@@ -40,13 +40,13 @@ std::optional<PlaneSlice> PlanePacker::next() {
   return made;
 }
 
-Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& plane, KnownTiles& known) {
+Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& plane, ReceivedTiles& known) {
   if (slice.size != plane.size || slice.word_bytes != plane.word_bytes) return refuse(WireRefusal::OtherMask);
   const TileGrid grid{slice.size};
   check(slice.first_tile + slice.tile_count <= grid.count(), "a slice is within its plane");
   check_eq(plane.words.size(), plane.size.pixels(), "a word for each pixel");
-  check_eq(known.size(), std::size_t{grid.count()}, "known tiles are those of the plane");
-  if (is_any_known(known, slice.first_tile, slice.tile_count, 1)) return 0u;
+  check_eq(known.size(), std::size_t{grid.count()}, "received tiles are those of the plane");
+  if (is_any_received(known, slice.first_tile, slice.tile_count, 1)) return 0u;
 
   OpenedBlock opened;
   const std::optional<std::span<const std::byte>> tiles = open_block(slice.block, opened);

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "stereo/frame/known_tiles.h"
 #include "stereo/frame/pixel_plane.h"
+#include "stereo/frame/received_tiles.h"
 #include "stereo/wire/messages.h"
 #include "stereo/wire/tile_blocks.h"
 
@@ -36,10 +36,10 @@ class PlanePacker {
 };
 
 /// Writes the tiles of a decoded slice into `plane` and sets their entries in `known` (one for each tile of
-/// the plane) to 1. Returns the number of these tiles; 0 for a duplicate, which is a slice with a known tile:
-/// it is not decoded and changes nothing. Refuses a slice of a plane with another size or word length, and a
-/// block whose content is not exactly the slice's tiles. After a refusal plane and known are unchanged.
+/// the plane) to 1. Returns the number of these tiles; 0 for a duplicate, which is a slice with a received
+/// tile: it is not decoded and changes nothing. Refuses a slice of a plane with another size or word length,
+/// and a block whose content is not exactly the slice's tiles. After a refusal plane and known are unchanged.
 [[nodiscard]] Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& plane,
-                                                        KnownTiles& known);
+                                                        ReceivedTiles& known);
 
 }  // namespace farshade

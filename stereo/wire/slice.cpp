@@ -17,35 +17,36 @@ static_assert(kPlainTile_bytes + 4 <= kBaseMessage_bytes - kSliceHeader_bytes,
 
 }  // namespace
 
-AskedTiles::AskedTiles(Extent size, std::uint32_t lights, std::span<const AskedTile> asked)
+RequestedTiles::RequestedTiles(Extent size, std::uint32_t lights, std::span<const RequestedTile> requested)
     : grid_{size},
       every_(all_lights_in(kAllBlocks, lights)),
-      asked_(asked),
+      requested_(requested),
       columns_(grid_.columns()),
       last_row_(grid_.count() - std::min(grid_.count(), columns_)) {
-  check(asked.empty() || asked.size() == grid_.count(), "each tile has asked blocks, or all are asked for");
+  check(requested.empty() || requested.size() == grid_.count(),
+        "each tile has requested blocks, or all are asked for");
 }
 
-AskedTile AskedTiles::at(std::uint32_t tile) const {
+RequestedTile RequestedTiles::at(std::uint32_t tile) const {
   const bool is_inside = tile % columns_ + 1 < columns_ && tile < last_row_;
-  if (is_inside && asked_.empty()) return every_;
-  AskedTile asked = asked_.empty() ? every_ : asked_[tile];
+  if (is_inside && requested_.empty()) return every_;
+  RequestedTile requested = requested_.empty() ? every_ : requested_[tile];
   const BlockBits inside = is_inside ? kAllBlocks : blocks_in(grid_.rect(tile));
   for (std::uint32_t share = 0; share < kMostShares; ++share)
-    asked.shares[share] &= static_cast<BlockBits>(every_.shares[share] & inside);
-  return asked;
+    requested.shares[share] &= static_cast<BlockBits>(every_.shares[share] & inside);
+  return requested;
 }
 
-std::uint32_t AskedTiles::count() const {
+std::uint32_t RequestedTiles::count() const {
   std::uint32_t tiles = 0;
   for (std::uint32_t tile = 0; tile < grid_.count(); ++tile) tiles += at(tile).any() != kNoBlocks;
   return tiles;
 }
 
-void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked,
+void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const RequestedTile> requested,
                         std::span<const std::uint8_t> sent, std::size_t most_bytes) {
   mask_ = &frame.masks[index_of(eye)];
-  asked_ = asked;
+  requested_ = requested;
   sent_ = sent;
   slice_ = {.frame = frame.frame,
             .light_set_revision = frame.light_set_revision,
@@ -60,12 +61,12 @@ void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const Aske
 std::optional<Slice> SlicePacker::next() {
   check(mask_ != nullptr, "packing was started");
   const std::uint32_t tiles = TileGrid{slice_.size}.count();
-  find_asked_tile();
+  find_requested_tile();
   if (slice_.first_tile == tiles) {
     if (slice_.plane + 1 >= mask_->layout().planes()) return std::nullopt;
     ++slice_.plane;
     slice_.first_tile = 0;
-    find_asked_tile();
+    find_requested_tile();
     if (slice_.first_tile == tiles) return std::nullopt;
   }
   pack_tiles();
@@ -77,11 +78,11 @@ std::optional<Slice> SlicePacker::next() {
 }
 
 /// Goes to the first tile of the next slice.
-void SlicePacker::find_asked_tile() {
-  const AskedTiles asked(slice_.size, slice_.lights, asked_);
+void SlicePacker::find_requested_tile() {
+  const RequestedTiles requested(slice_.size, slice_.lights, requested_);
   const std::uint32_t tiles = TileGrid{slice_.size}.count();
   while (slice_.first_tile < tiles &&
-         (asked.at(slice_.first_tile).any() == kNoBlocks || !is_sent(slice_.first_tile)))
+         (requested.at(slice_.first_tile).any() == kNoBlocks || !is_sent(slice_.first_tile)))
     ++slice_.first_tile;
 }
 
@@ -90,14 +91,14 @@ bool SlicePacker::is_sent(std::uint32_t tile) const {
 }
 
 /// Reads a tile from the mask.
-void SlicePacker::read(std::uint32_t tile, const AskedTile& asked) {
-  split_tile(*mask_, TileGrid{slice_.size}.rect(tile), slice_.plane, asked, bits_);
+void SlicePacker::read(std::uint32_t tile, const RequestedTile& requested) {
+  split_tile(*mask_, TileGrid{slice_.size}.rect(tile), slice_.plane, requested, bits_);
 }
 
 /// Codes as many tiles as fit, which may be none.
 void SlicePacker::pack_tiles() {
   const TileGrid grid{slice_.size};
-  const AskedTiles asked(slice_.size, slice_.lights, asked_);
+  const RequestedTiles requested(slice_.size, slice_.lights, requested_);
   MaskModels models(kInitialMaskModels);
   coded_.start(grid.columns(), slice_.first_tile);
   RangeEncoder encoder(block_);
@@ -108,7 +109,7 @@ void SlicePacker::pack_tiles() {
   const std::uint32_t end = std::min(grid.count(), slice_.first_tile + kMostSliceTiles);
   for (std::uint32_t tile = slice_.first_tile; tile < end; ++tile) {
     if (!is_sent(tile)) break;
-    const AskedTile in_tile = asked.at(tile);
+    const RequestedTile in_tile = requested.at(tile);
     if (in_tile.any() == kNoBlocks) {
       coded_.add_nothing();
       continue;
@@ -125,16 +126,17 @@ void SlicePacker::pack_tiles() {
 
 /// Codes one tile in plain bits.
 void SlicePacker::pack_plain() {
-  const AskedTile asked = AskedTiles(slice_.size, slice_.lights, asked_).at(slice_.first_tile);
+  const RequestedTile requested =
+      RequestedTiles(slice_.size, slice_.lights, requested_).at(slice_.first_tile);
   MaskModels models(kInitialMaskModels);
   coded_.start(TileGrid{slice_.size}.columns(), slice_.first_tile);
   RangeEncoder encoder(block_);
   MaskCoder coder(encoder, models, coded_, mask_->layout().lights_in(slice_.plane));
   coder.form(true);
-  read(slice_.first_tile, asked);
+  read(slice_.first_tile, requested);
   for (std::uint32_t light = 0; light < 32; ++light)
     if ((bits_.varies >> light & 1) == 0) bits_.cells[light].fill(cell_of((bits_.value >> light & 1) != 0));
-  coder.plain_tile(asked, bits_);
+  coder.plain_tile(requested, bits_);
   encoder.finish();
   slice_.tile_count = 1;
 }
@@ -142,7 +144,7 @@ void SlicePacker::pack_plain() {
 namespace {
 
 /// Decodes the tiles of a slice into `coded`. Returns false if the block does not end with them.
-bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, TileBits& bits,
+bool decode(const Slice& slice, const RequestedTiles& requested, std::uint32_t lights, TileBits& bits,
             CodedTiles& coded) {
   RangeDecoder decoder(slice.block);
   MaskModels models(kInitialMaskModels);
@@ -151,7 +153,7 @@ bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, T
   const bool plain = coder.form(false);
   if (plain && slice.tile_count != 1) return false;
   for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
-    const AskedTile in_tile = asked.at(tile);
+    const RequestedTile in_tile = requested.at(tile);
     if (in_tile.any() == kNoBlocks)
       coded.add_nothing();
     else if (plain)
@@ -165,27 +167,28 @@ bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, T
 
 }  // namespace
 
-Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const AskedTile> asked, EyeMask& mask,
-                                          KnownTiles& known) {
+Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const RequestedTile> requested,
+                                          EyeMask& mask, ReceivedTiles& known) {
   if (slice.size != mask.size() || slice.lights != mask.lights()) return refuse(WireRefusal::OtherMask);
   const TileGrid grid{slice.size};
   const MaskLayout layout = mask.layout();
   check(slice.plane < layout.planes() && slice.first_tile + slice.tile_count <= grid.count(),
         "a slice is within its mask");
-  check(known.size() == grid.count(), "known tiles are those of the mask");
+  check(known.size() == grid.count(), "received tiles are those of the mask");
   const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
-  if (is_any_known(known, slice.first_tile, slice.tile_count, plane_bit)) return 0u;
+  if (is_any_received(known, slice.first_tile, slice.tile_count, plane_bit)) return 0u;
 
   TileBits bits;
   CodedTiles coded;
-  if (!decode(slice, AskedTiles(slice.size, slice.lights, asked), layout.lights_in(slice.plane), bits, coded))
+  if (!decode(slice, RequestedTiles(slice.size, slice.lights, requested), layout.lights_in(slice.plane), bits,
+              coded))
     return refuse(WireRefusal::Block);
 
   std::uint32_t learned = 0, tile = slice.first_tile;
   for (const CodedTile& one : coded.tiles()) {
-    if (one.asked.any() != kNoBlocks) {
+    if (one.requested.any() != kNoBlocks) {
       coded.read(one, bits);
-      merge_tile(bits, grid.rect(tile), slice.plane, one.asked, mask);
+      merge_tile(bits, grid.rect(tile), slice.plane, one.requested, mask);
       ++learned;
       known[tile] |= plane_bit;
     }

@@ -125,10 +125,10 @@ void for_each_bit(std::uint32_t word, Act act) {
 }
 
 /// Makes a light that differs only between pixels that are not asked for one that does not vary.
-void narrow_light(std::uint32_t light, BlockBits asked, TileBits& bits) {
+void narrow_light(std::uint32_t light, BlockBits requested, TileBits& bits) {
   std::uint32_t any = 0, every = 0xffff;
   for (std::uint32_t block = 0; block < 16; ++block)
-    if ((asked >> block & 1) != 0) {
+    if ((requested >> block & 1) != 0) {
       any |= bits.cells[light][block];
       every &= bits.cells[light][block];
     }
@@ -138,21 +138,22 @@ void narrow_light(std::uint32_t light, BlockBits asked, TileBits& bits) {
 }
 
 /// Replaces the bits of `before` that are asked for by those of `block`.
-void replace_asked(const ByteBlock& block, const AskedTile& asked, ByteBlock& before) {
+void replace_requested(const ByteBlock& block, const RequestedTile& requested, ByteBlock& before) {
   for (std::uint32_t row = 0; row < kTileBlocks; ++row)
     for (std::uint32_t half = 0; half < 2; ++half) {
       const std::uint32_t at = kTileBlocks * row + 2 * half;
-      const std::uint64_t bits = asked.at(at) * 0x01010101ull | (asked.at(at + 1) * 0x01010101ull) << 32;
+      const std::uint64_t bits = requested.at(at) * 0x01010101ull | (requested.at(at + 1) * 0x01010101ull)
+                                                                        << 32;
       for (std::uint32_t y = kBlockSide_px * row; y < kBlockSide_px * (row + 1); ++y)
         before[y][half] = (before[y][half] & ~bits) | (block[y][half] & bits);
     }
 }
 
 /// Everything in the picture is asked for, in all lights of the mask.
-bool asks_for_all(const AskedTile& asked, TileRect rect, std::uint32_t lights) {
+bool asks_for_all(const RequestedTile& requested, TileRect rect, std::uint32_t lights) {
   const BlockBits inside = blocks_in(rect);
   BlockBits everywhere = kAllBlocks;
-  for (std::uint32_t share = 0; share < shares_of(lights); ++share) everywhere &= asked.shares[share];
+  for (std::uint32_t share = 0; share < shares_of(lights); ++share) everywhere &= requested.shares[share];
   return (everywhere & inside) == inside;
 }
 
@@ -165,10 +166,10 @@ BlockBits blocks_in(TileRect rect) {
   return static_cast<BlockBits>(row * 0x1111 & rows);
 }
 
-void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const RequestedTile& requested,
                 TileBits& bits) {
   bits.varies = bits.value = 0;
-  const std::uint32_t lights = lights_asked(asked, mask.layout().lights_in(plane));
+  const std::uint32_t lights = lights_requested(requested, mask.layout().lights_in(plane));
   for (std::uint32_t group = 0; 8 * group < mask.layout().lights_in(plane); ++group) {
     const std::uint32_t here = lights >> 8 * group & 0xff;
     if (here == 0) continue;
@@ -184,13 +185,13 @@ void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const A
     bits.value |= (set & here) << 8 * group;
     bits.varies |= varies << 8 * group;
   }
-  if (!asks_for_all(asked, rect, mask.lights()))
-    for_each_bit(bits.varies, [&](std::uint32_t light) { narrow_light(light, asked.of(light), bits); });
+  if (!asks_for_all(requested, rect, mask.lights()))
+    for_each_bit(bits.varies, [&](std::uint32_t light) { narrow_light(light, requested.of(light), bits); });
 }
 
-void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const RequestedTile& requested,
                 EyeMask& mask) {
-  const bool all = asks_for_all(asked, rect, mask.lights());
+  const bool all = asks_for_all(requested, rect, mask.lights());
   for (std::uint32_t group = 0; group < mask.layout().word_bytes(); ++group) {
     const BlockPlace place(mask, rect, plane, group);
     const std::uint64_t everywhere = (bits.value >> 8 * group & 0xff) * kEachByte;
@@ -203,7 +204,7 @@ void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const 
       continue;
     }
     ByteBlock before = load_block(mask.bytes(), place);
-    replace_asked(block, asked, before);
+    replace_requested(block, requested, before);
     store_block(before, place, mask.bytes());
   }
 }

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "stereo/frame/asked_blocks.h"
 #include "stereo/frame/eye_mask.h"
+#include "stereo/frame/requested_blocks.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/cells.h"
 
@@ -26,19 +26,19 @@ struct TileBits {
 [[nodiscard]] BlockBits blocks_in(TileRect rect);
 
 /// The lights of a plane of `lights` lights that some block of a tile is asked for in.
-[[nodiscard]] constexpr std::uint32_t lights_asked(const AskedTile& asked, std::uint32_t lights) {
+[[nodiscard]] constexpr std::uint32_t lights_requested(const RequestedTile& requested, std::uint32_t lights) {
   std::uint32_t shares = 0;
   for (std::uint32_t share = 0; share < kMostShares; ++share)
-    shares |= (asked.shares[share] != kNoBlocks ? 0x01010101u : 0u) << share;
+    shares |= (requested.shares[share] != kNoBlocks ? 0x01010101u : 0u) << share;
   return lights < 32 ? shares & ((1u << lights) - 1) : shares;
 }
 
 /// Reads a tile from a mask, or writes it to it: of each light the blocks that are asked for in it. The rest
 /// does not count, and does not change. A light that no block is asked for in does not vary and has the value
 /// 0. `rect` is a tile of the mask's TileGrid.
-void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const RequestedTile& requested,
                 TileBits& bits);
-void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const RequestedTile& requested,
                 EyeMask& mask);
 
 }  // namespace farshade

@@ -100,7 +100,7 @@ class Bench {
   const Scene& scene_;
   ScenePlan plan_;
   Tracer tracer_;
-  AnswerMakers answers_;
+  RequestHandlers answers_;
   LongestStage stage_;
   Job job_{};
   FramePacker packer_;

@@ -31,19 +31,19 @@ struct Options {
 };
 
 /// A setting for the reprojection of masks, with the measured times.
-struct CarryOverMode {
+struct ReprojectionMode {
   const char* name;
-  CarryOver carry_over;
+  Reprojection reprojection;
   std::vector<double> ms;
 };
 
 struct Times {
   std::vector<double> frame, collect, draw, gbuffer, depth;
-  std::vector<double> carry, ask,
-      asked_percent;  ///< before a request: the pass, the whole call, and what it found
+  std::vector<double> request_reprojection, ask,
+      requested_percent;  ///< before a request: the pass, the whole call, and what it found
   std::vector<double> full_gbuffer, full_depth;  ///< the same frames in full detail
   DrawCounters counters, full_counters;          ///< of the last frame
-  std::vector<CarryOverMode> modes{
+  std::vector<ReprojectionMode> modes{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
       {"and the other eye", {.gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
@@ -83,12 +83,12 @@ void print_times(const Times& times) {
   print("  draw", times.draw);
   print("    G-buffer", times.gbuffer);
   print("    depth of requested views", times.depth);
-  print("carrying a mask to requested views", times.carry);
+  print("reprojecting a mask to requested views", times.request_reprojection);
   print("  with their depth, and read back", times.ask);
-  print("  asked blocks, percent", times.asked_percent);
+  print("  requested blocks, percent", times.requested_percent);
   print("    G-buffer in full detail", times.full_gbuffer);
   print("    depth in full detail", times.full_depth);
-  for (const CarryOverMode& mode : times.modes) print(mode.name, mode.ms);
+  for (const ReprojectionMode& mode : times.modes) print(mode.name, mode.ms);
 }
 
 void print_ratios(const Times& times) {
@@ -125,14 +125,15 @@ void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
   times.depth.push_back(ms_of(drawn.depth));
 }
 
-void time_carry(Renderer& renderer, const FrameRequest& request, std::size_t slot, const TracedMask& base,
-                Times& times) {
-  CarriedOver carried_over;
-  const std::optional<DrawTimes> carried = renderer.carry(request, slot, &base, carried_over);
-  if (!carried) return;
-  times.carry.push_back(ms_of(carried->carry));
-  times.ask.push_back(ms_of(carried->total));
-  times.asked_percent.push_back(100 * part_of(carried_over.asked));
+void time_request_reprojection(Renderer& renderer, const FrameRequest& request, std::size_t slot,
+                               const TracedMask& base, Times& times) {
+  RequestReprojection reprojected;
+  const std::optional<DrawTimes> reprojected =
+      renderer.reproject_to_request(request, slot, &base, reprojected);
+  if (!reprojected) return;
+  times.request_reprojection.push_back(ms_of(reprojected->request_reprojection));
+  times.ask.push_back(ms_of(reprojected->total));
+  times.requested_percent.push_back(100 * part_of(reprojected.requested));
 }
 
 SceneLevels levels_for(const Scene& scene, const Options& options) {
@@ -180,7 +181,7 @@ Expected<void> run(const Options& options) {
                      .state = state,
                      .request = &request,
                      .masks = masks,
-                     .carry_over = {},
+                     .reprojection = {},
                      .request_slot = assembler.find(request.frame)->slot,
                      .detail = Detail::Full};
     const DrawTimes full = renderer.draw(frame);
@@ -189,13 +190,13 @@ Expected<void> run(const Options& options) {
     const DrawTimes drawn = renderer.draw(frame);
     times.counters = renderer.counters();
     if (masks.empty()) continue;
-    for (CarryOverMode& mode : times.modes) {
-      frame.carry_over = mode.carry_over;
+    for (ReprojectionMode& mode : times.modes) {
+      frame.reprojection = mode.reprojection;
       const DrawTimes again = renderer.shade_again(frame);
       if (number > kWarmUp_frames) mode.ms.push_back(ms_of(again.shade));
     }
     if (number <= kWarmUp_frames) continue;
-    time_carry(renderer, request, frame.request_slot, masks[0], times);
+    time_request_reprojection(renderer, request, frame.request_slot, masks[0], times);
     add_frame(times, drawn, collect);
     times.full_gbuffer.push_back(ms_of(full.gbuffer));
     times.full_depth.push_back(ms_of(full.depth));

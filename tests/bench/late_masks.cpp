@@ -25,7 +25,7 @@ std::vector<TracedMask> usable_masks(const Assembler& assembler, FrameId shown) 
   for (std::uint32_t age = kLate_frames; age < kLate_frames + kMaxMasks; ++age)
     if (const RequestRecord* frame = assembler.find({shown.value - age}); frame && frame->complete())
       masks.push_back({frame->request.frame, frame->request.display_time, frame->request.scene_time,
-                       frame->request.views, frame->masks, frame->known_tiles, 1});
+                       frame->request.views, frame->masks, frame->received_tiles, 1});
   return masks;
 }
 

@@ -78,7 +78,7 @@ class PlanPair {
                                             .state = state_,
                                             .request = &request,
                                             .masks = masks,
-                                            .carry_over = {},
+                                            .reprojection = {},
                                             .request_slot = assembler_.find(request.frame)->slot});
     if (masks.empty()) return std::nullopt;
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),

@@ -59,7 +59,7 @@ struct Travel {
       while (const auto slice = packer.next()) encode(ServerMessage(*slice), messages.emplace_back());
       pack_ms += ms_of(packing.elapsed());
       PixelPlane opened(plane.size, plane.word_bytes);
-      KnownTiles known(TileGrid{plane.size}.count(), 0);
+      ReceivedTiles known(TileGrid{plane.size}.count(), 0);
       const Stopwatch opening;
       for (const auto& message : messages)
         check(decode_plane_tiles(std::get<PlaneSlice>(*decode_server(message)), opened, known).has_value(),
@@ -123,7 +123,7 @@ class Bench {
 
   void look(double yaw_rad) {
     const FrameRequest request = request_of(scene_, yaw_rad, options_.side_px);
-    const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .carry_over = {}};
+    const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .reprojection = {}};
     draw_ms_.push_back(ms_of(renderer_.draw(frame).total));
     const Stopwatch reading;
     renderer_.read_gbuffer(gbuffer_);

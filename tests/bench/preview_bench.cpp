@@ -32,7 +32,7 @@ struct BenchOptions {
 struct Traced {
   FrameRequest request;
   ShadowFrame frame;
-  PerEye<KnownTiles> known;
+  PerEye<ReceivedTiles> known;
 };
 
 Traced trace(Tracer& tracer, const FrameRequest& request) {
@@ -40,7 +40,7 @@ Traced trace(Tracer& tracer, const FrameRequest& request) {
   tracer.trace(request, traced.frame);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     traced.known[eye].assign(TileGrid{request.views[eye].size}.count(),
-                             all_planes_known(traced.frame.masks[eye].layout()));
+                             all_planes_received(traced.frame.masks[eye].layout()));
   return traced;
 }
 
@@ -135,7 +135,7 @@ void compare(const BenchOptions& options) {
                      .state = state,
                      .request = &request,
                      .masks = masks,
-                     .carry_over = {},
+                     .reprojection = {},
                      .request_slot = request.frame.value % kRing_frames});
       const Stopwatch showing;
       if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });

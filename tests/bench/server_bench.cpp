@@ -98,7 +98,7 @@ Expected<void> run(const Options& options) {
   const SteadyClock clock;
   const auto light_count = narrow<std::uint32_t>(scene->lights.size());
   const SharedKey key{.name = "bench", .secret = {1}};
-  AnswerMakers answers;
+  RequestHandlers answers;
   answers.add(Answer::Masks, make_masks(*tracer));
   ServerCore core({scene->hash, light_count}, {key}, std::move(answers), **port, clock);
   NetworkLink link(*client->port, clock, {client->server, key, scene->hash, light_count}, 8);
@@ -106,7 +106,7 @@ Expected<void> run(const Options& options) {
     std::jthread welcoming([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) core.receive(std::chrono::milliseconds(10));
     });
-    if (const Expected<void> met = link.meet(std::chrono::seconds(3)); !met) return met;
+    if (const Expected<void> connected = link.connect(std::chrono::seconds(3)); !connected) return connected;
   }
 
   std::vector<Row> rows;
@@ -121,7 +121,7 @@ Expected<void> run(const Options& options) {
     core.work();
     const Duration frame = working.elapsed() + send_all(core);
     link.poll();
-    const RequestRecord& received = *link.inbox().find({number});
+    const RequestRecord& received = *link.receiver().find({number});
     if (number <= kWarmUp || !received.report) continue;
     complete += received.complete() ? 1 : 0;
     const FrameReport& report = *received.report;

@@ -79,7 +79,7 @@ class Comparison {
  private:
   [[nodiscard]] Extent size() const { return {options_.side_px, options_.side_px}; }
   [[nodiscard]] DrawPlan plan() const {
-    return plan_for(scene_, {.carries_over = false, .all_lights = true}).draw;
+    return plan_for(scene_, {.reprojects = false, .all_lights = true}).draw;
   }
 
   void write(FrameId frame, const Image<Rgb8>& picture, const Image<Rgb8>& reference) const {
@@ -91,24 +91,25 @@ class Comparison {
   }
 
   PerEye<Image<Rgb8>> draw_masks(const FrameRequest& request, Figures& figures) {
-    const KnownTiles all(TileGrid{size()}.count(), all_planes_known(truth_.masks[0].layout()));
-    const PerEye<KnownTiles> known{all, all};
+    const ReceivedTiles all(TileGrid{size()}.count(), all_planes_received(truth_.masks[0].layout()));
+    const PerEye<ReceivedTiles> known{all, all};
     const std::vector<TracedMask> masks{{.frame = request.frame,
                                          .display_time = request.display_time,
                                          .scene_time = request.scene_time,
                                          .views = request.views,
                                          .masks = truth_.masks,
-                                         .known_tiles = known,
+                                         .received_tiles = known,
                                          .content = request.frame.value}};
     const DrawTimes times =
-        renderer_.draw({.views = request.views, .state = start_, .masks = masks, .carry_over = {}});
+        renderer_.draw({.views = request.views, .state = start_, .masks = masks, .reprojection = {}});
     figures.masks_ms.push_back(ms(times.shade));
     return renderer_.read_shown();
   }
 
   [[nodiscard]] static ShownFrame with_maps(const FrameRequest& request, const SceneState& state,
                                             const ShadowMapSettings& settings) {
-    return {.views = request.views, .state = state, .masks = {}, .carry_over = {}, .shadow_maps = &settings};
+    return {
+        .views = request.views, .state = state, .masks = {}, .reprojection = {}, .shadow_maps = &settings};
   }
 
   const Scene& scene_;

@@ -62,14 +62,14 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const FrameRe
   const auto model_lights = narrow<std::uint32_t>(lights.size());
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const View& view = request.views[eye];
-    for (const BlockGroup& group : groups_of(view.size, model_lights, request.asked.tiles[eye])) {
+    for (const BlockGroup& group : groups_of(view.size, model_lights, request.requested.tiles[eye])) {
       see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group, surface);
       for (std::uint32_t i = 0; i < model_lights; ++i) {
         std::uint32_t words[kTilePixels]{};
         const LightVisibilityMap* const map = maps.empty() ? nullptr : &maps[i];
-        packets.count +=
-            shadow_group<K>(surface, group.asked.of(i), shadow_light(lights[i], model), map, 1, words, keep)
-                .traced;
+        packets.count += shadow_group<K>(surface, group.requested.of(i), shadow_light(lights[i], model), map,
+                                         1, words, keep)
+                             .traced;
       }
     }
   }
@@ -182,16 +182,16 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
 }
 
 /// The edge blocks of each light of a mask.
-std::vector<AskedTile> edge_blocks(const EyeMask& mask) {
+std::vector<RequestedTile> edge_blocks(const EyeMask& mask) {
   const TileGrid grid{mask.size()};
-  std::vector<AskedTile> tiles(grid.count());
+  std::vector<RequestedTile> tiles(grid.count());
   for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
     for (std::uint32_t y = 0; y < mask.size().height; ++y)
       for (std::uint32_t x = 0; x < mask.size().width; ++x) {
         const std::uint32_t right = mask.word(std::min(x + 1, mask.size().width - 1), y, plane);
         const std::uint32_t below = mask.word(x, std::min(y + 1, mask.size().height - 1), plane);
         const std::uint32_t here = mask.word(x, y, plane), differ = (right ^ here) | (below ^ here);
-        AskedTile& tile = tiles[y / kTileSide_px * grid.columns() + x / kTileSide_px];
+        RequestedTile& tile = tiles[y / kTileSide_px * grid.columns() + x / kTileSide_px];
         for (std::uint32_t light = 0; light < 32; ++light)
           if ((differ >> light & 1) != 0)
             tile.shares[light % kMostShares] |= block_bit(x % kTileSide_px, y % kTileSide_px);
@@ -199,9 +199,9 @@ std::vector<AskedTile> edge_blocks(const EyeMask& mask) {
   return tiles;
 }
 
-/// Asks for all lights in the asked blocks.
-std::vector<AskedTile> in_all_lights(std::vector<AskedTile> tiles, std::uint32_t lights) {
-  for (AskedTile& tile : tiles) tile = all_lights_in(tile.any(), lights);
+/// Asks for all lights in the requested blocks.
+std::vector<RequestedTile> in_all_lights(std::vector<RequestedTile> tiles, std::uint32_t lights) {
+  for (RequestedTile& tile : tiles) tile = all_lights_in(tile.any(), lights);
   return tiles;
 }
 
@@ -230,11 +230,11 @@ void print(const Traced<K>& of) {
 }
 
 /// The same bits where they are asked for, and none elsewhere.
-bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<AskedTile>& asked) {
+bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<RequestedTile>& requested) {
   const TileGrid grid{whole.size()};
   for (std::uint32_t y = 0; y < whole.size().height; ++y)
     for (std::uint32_t x = 0; x < whole.size().width; ++x) {
-      const AskedTile& tile = asked[y / kTileSide_px * grid.columns() + x / kTileSide_px];
+      const RequestedTile& tile = requested[y / kTileSide_px * grid.columns() + x / kTileSide_px];
       const auto block = std::countr_zero(block_bit(x % kTileSide_px, y % kTileSide_px));
       const std::uint32_t bits = tile.at(static_cast<std::uint32_t>(block)) * 0x01010101u;
       for (std::uint32_t plane = 0; plane < whole.layout().planes(); ++plane)
@@ -244,7 +244,7 @@ bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<Ask
 }
 
 template <int K>
-void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
+void compare_requested(const Scene& scene, const StereoView& views, int rounds) {
   const SceneState state = state_at(scene, Time{});
   const SurfaceModel model(scene, state, plan_for(scene, {.all_lights = true}).trace);
   const RayScene rays = RayScene::create(model).value();
@@ -260,14 +260,14 @@ void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
   ShadowFrame whole_frame, frame;
   tracer.trace(whole.request, whole_frame);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    lights.request.asked.tiles[eye] = edge_blocks(whole_frame.masks[eye]);
+    lights.request.requested.tiles[eye] = edge_blocks(whole_frame.masks[eye]);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    part.request.asked.tiles[eye] =
-        in_all_lights(lights.request.asked.tiles[eye], whole_frame.masks[eye].lights());
+    part.request.requested.tiles[eye] =
+        in_all_lights(lights.request.requested.tiles[eye], whole_frame.masks[eye].lights());
   tracer.trace(lights.request, frame);
   bool same = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], lights.request.asked.tiles[eye]);
+    same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], lights.request.requested.tiles[eye]);
   for (Traced<K>* const each : {&whole, &part, &lights})
     each->packets = record<K>(model, rays, each->request, state.light_set.lights, maps);
 
@@ -283,7 +283,7 @@ void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
     }
     share.push_back(part.cpu.back() / whole.cpu.back());
   }
-  std::printf("%d wide, %u x %u an eye; bits of the asked blocks %s\n", K, views[0].size.width,
+  std::printf("%d wide, %u x %u an eye; bits of the requested blocks %s\n", K, views[0].size.width,
               views[0].size.height, same ? "same" : "DIFFER");
   print(whole);
   print(part);
@@ -341,12 +341,12 @@ int run(int argc, char** argv) {
   std::string path = FARSHADE_ASSETS "/room.glb", beside;
   std::uint32_t side = 1024;
   int rounds = 21;
-  bool asked = false;
+  bool requested = false;
   CLI::App app("Compares the tracing stage with a bare loop over Embree packets.");
   app.add_option("--scene", path);
   app.add_option("--size", side);
   app.add_option("--rounds", rounds);
-  app.add_flag("--asked", asked);
+  app.add_flag("--asked", requested);
   app.add_option("--beside", beside);
   CLI11_PARSE(app, argc, argv);
   const auto scene = load_scene(path);
@@ -366,9 +366,10 @@ int run(int argc, char** argv) {
     compare_moving({&*scene, &*other}, views, rounds);
     return 0;
   }
-  if (width == 16) asked ? compare_asked<16>(*scene, views, rounds) : compare<16>(*scene, views, rounds);
-  if (width == 8) asked ? compare_asked<8>(*scene, views, rounds) : compare<8>(*scene, views, rounds);
-  if (width == 4) asked ? compare_asked<4>(*scene, views, rounds) : compare<4>(*scene, views, rounds);
+  if (width == 16)
+    requested ? compare_requested<16>(*scene, views, rounds) : compare<16>(*scene, views, rounds);
+  if (width == 8) requested ? compare_requested<8>(*scene, views, rounds) : compare<8>(*scene, views, rounds);
+  if (width == 4) requested ? compare_requested<4>(*scene, views, rounds) : compare<4>(*scene, views, rounds);
   return 0;
 }
 

@@ -1,7 +1,7 @@
-// The coders of masks and of asked blocks on traced masks: bytes and times of both eyes, for whole views and
-// for what a client asks for of the next view. Whole masks are compared with one LZ4 block (mask_block.h),
-// also in what arrives on a path that loses datagrams, and with LZ4 over the whole masks as they are in
-// memory.
+// The coders of masks and of requested blocks on traced masks: bytes and times of both eyes, for whole views
+// and for what a client asks for of the next view. Whole masks are compared with one LZ4 block
+// (mask_block.h), also in what arrives on a path that loses datagrams, and with LZ4 over the whole masks as
+// they are in memory.
 #include <lz4.h>
 
 #include <CLI/CLI.hpp>
@@ -66,9 +66,9 @@ double lz4_bytes(const Bytes& bytes) {
 }
 
 /// The blocks of a view in which something is asked for.
-class Asked {
+class RequestedSet {
  public:
-  Asked(Extent size, std::uint32_t lights)
+  RequestedSet(Extent size, std::uint32_t lights)
       : grid_{size},
         lights_(lights),
         columns_(size.width / kBlockSide_px),
@@ -77,7 +77,7 @@ class Asked {
 
   /// Asks for the block of a pixel in the lights that are set in a word of a mask.
   void add_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t lights) {
-    AskedTile& tile = tile_of(x, y);
+    RequestedTile& tile = tile_of(x, y);
     for (; lights != 0; lights &= lights - 1)
       tile.shares[static_cast<std::size_t>(std::countr_zero(lights)) % kMostShares] |=
           block_bit(x % kTileSide_px, y % kTileSide_px);
@@ -93,27 +93,27 @@ class Asked {
 
   [[nodiscard]] std::uint32_t columns() const { return columns_; }
   [[nodiscard]] std::uint32_t rows() const { return rows_; }
-  [[nodiscard]] std::vector<AskedTile> take() { return std::move(tiles_); }
+  [[nodiscard]] std::vector<RequestedTile> take() { return std::move(tiles_); }
   [[nodiscard]] std::uint32_t tiles() const { return grid_.count(); }
 
  private:
-  AskedTile& tile_of(std::uint32_t x, std::uint32_t y) {
+  RequestedTile& tile_of(std::uint32_t x, std::uint32_t y) {
     return tiles_[y / kTileSide_px * grid_.columns() + x / kTileSide_px];
   }
 
   TileGrid grid_;
   std::uint32_t lights_, columns_, rows_;
-  std::vector<AskedTile> tiles_;
+  std::vector<RequestedTile> tiles_;
 };
 
 /// The blocks of each light in which a pixel differs from one of its neighbours: those that a client cannot
-/// carry over from its newest mask if the view has hardly moved.
-void add_edges(const EyeMask& mask, Asked& asked) {
+/// reproject from its newest mask if the view has hardly moved.
+void add_edges(const EyeMask& mask, RequestedSet& requested) {
   const auto compare = [&](std::uint32_t x, std::uint32_t y, std::uint32_t other_x, std::uint32_t other_y) {
     for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
       if (const std::uint32_t differ = mask.word(x, y, plane) ^ mask.word(other_x, other_y, plane)) {
-        asked.add_pixel(x, y, differ);
-        asked.add_pixel(other_x, other_y, differ);
+        requested.add_pixel(x, y, differ);
+        requested.add_pixel(other_x, other_y, differ);
       }
   };
   for (std::uint32_t y = 0; y < mask.size().height; ++y)
@@ -125,43 +125,43 @@ void add_edges(const EyeMask& mask, Asked& asked) {
 
 /// What a client asks for: edges light by light, and all lights in a strip along one or two sides of the
 /// picture, in some disocclusions, and in the tiles whose turn it is to be refreshed.
-std::vector<AskedTile> asked_of(const EyeMask& mask, std::mt19937& random) {
+std::vector<RequestedTile> requested_of(const EyeMask& mask, std::mt19937& random) {
   constexpr std::uint32_t kDisocclusions = 13, kDisoccluded = 5, kRefreshed_permille = 14;
-  Asked asked(mask.size(), mask.lights());
-  add_edges(mask, asked);
+  RequestedSet requested(mask.size(), mask.lights());
+  add_edges(mask, requested);
   const auto up_to = [&random](std::uint32_t most) {
     return static_cast<std::uint32_t>(random()) % (most + 1);
   };
-  const std::uint32_t columns = asked.columns(), rows = asked.rows();
+  const std::uint32_t columns = requested.columns(), rows = requested.rows();
   const std::uint32_t wide = 1 + up_to(2), high = up_to(1);
   const bool is_right = up_to(1) != 0, is_low = up_to(1) != 0;
   for (std::uint32_t i = 0; i < wide; ++i)
-    for (std::uint32_t row = 0; row < rows; ++row) asked.add_block(is_right ? columns - 1 - i : i, row);
+    for (std::uint32_t row = 0; row < rows; ++row) requested.add_block(is_right ? columns - 1 - i : i, row);
   for (std::uint32_t i = 0; i < high; ++i)
     for (std::uint32_t column = 0; column < columns; ++column)
-      asked.add_block(column, is_low ? rows - 1 - i : i);
+      requested.add_block(column, is_low ? rows - 1 - i : i);
   for (std::uint32_t i = 0; i < kDisocclusions; ++i) {
     const std::uint32_t column = up_to(columns - 1), row = up_to(rows - 1);
-    for (std::uint32_t down = 0; down < kDisoccluded; ++down) asked.add_block(column, row + down);
+    for (std::uint32_t down = 0; down < kDisoccluded; ++down) requested.add_block(column, row + down);
   }
-  for (std::uint32_t tile = 0; tile < asked.tiles(); ++tile)
-    if (up_to(999) < kRefreshed_permille) asked.add_tile(tile);
-  return asked.take();
+  for (std::uint32_t tile = 0; tile < requested.tiles(); ++tile)
+    if (up_to(999) < kRefreshed_permille) requested.add_tile(tile);
+  return requested.take();
 }
 
-std::vector<AskedTile> edges_of(const EyeMask& mask) {
-  Asked asked(mask.size(), mask.lights());
-  add_edges(mask, asked);
-  return asked.take();
+std::vector<RequestedTile> edges_of(const EyeMask& mask) {
+  RequestedSet requested(mask.size(), mask.lights());
+  add_edges(mask, requested);
+  return requested.take();
 }
 
 /// The blocks that are asked for, and of how many lights each.
-struct AskedCount {
+struct RequestedCount {
   double blocks = 0, lights = 0;
 
-  explicit AskedCount(const AskedBlocks& asked) {
-    for (const std::vector<AskedTile>& eye : asked.tiles)
-      for (const AskedTile& tile : eye) {
+  explicit RequestedCount(const RequestedBlocks& requested) {
+    for (const std::vector<RequestedTile>& eye : requested.tiles)
+      for (const RequestedTile& tile : eye) {
         blocks += std::popcount(tile.any());
         for (const BlockBits share : tile.shares) lights += std::popcount(share);
       }
@@ -174,48 +174,48 @@ double size_of(const std::vector<Bytes>& messages) {
   return bytes;
 }
 
-std::vector<Bytes> pack(const ShadowFrame& frame, const AskedBlocks& asked, SlicePacker& packer) {
+std::vector<Bytes> pack(const ShadowFrame& frame, const RequestedBlocks& requested, SlicePacker& packer) {
   std::vector<Bytes> datagrams;
   for (const Side side : kSides) {
-    packer.start(frame, side, asked.tiles[index_of(side)]);
+    packer.start(frame, side, requested.tiles[index_of(side)]);
     while (const auto slice = packer.next()) encode(ServerMessage(*slice), datagrams.emplace_back());
   }
   return datagrams;
 }
 
-void open(const std::vector<Bytes>& datagrams, const AskedBlocks& asked, PerEye<EyeMask>& masks,
-          PerEye<KnownTiles>& known) {
+void open(const std::vector<Bytes>& datagrams, const RequestedBlocks& requested, PerEye<EyeMask>& masks,
+          PerEye<ReceivedTiles>& known) {
   for (const Bytes& datagram : datagrams) {
     const auto slice = std::get<Slice>(decode_server(datagram).value());
     const std::size_t eye = index_of(slice.eye);
-    check(decode_slice_tiles(slice, asked.tiles[eye], masks[eye], known[eye]).has_value(),
+    check(decode_slice_tiles(slice, requested.tiles[eye], masks[eye], known[eye]).has_value(),
           "our own slices open");
   }
 }
 
-std::vector<Bytes> pack(const ShadowFrame& frame, const AskedBlocks& asked, AskPacker& packer) {
+std::vector<Bytes> pack(const ShadowFrame& frame, const RequestedBlocks& requested, AskPacker& packer) {
   std::vector<Bytes> datagrams;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    packer.start(FrameId{1}, side, frame.masks[eye].size(), frame.masks[eye].lights(), asked.tiles[eye]);
+    packer.start(FrameId{1}, side, frame.masks[eye].size(), frame.masks[eye].lights(), requested.tiles[eye]);
     while (const auto slice = packer.next()) encode(ClientMessage(*slice), datagrams.emplace_back());
   }
   return datagrams;
 }
 
-AskedBlocks open(const std::vector<Bytes>& datagrams, const ShadowFrame& frame) {
-  AskedBlocks asked;
-  PerEye<KnownTiles> known;
+RequestedBlocks open(const std::vector<Bytes>& datagrams, const ShadowFrame& frame) {
+  RequestedBlocks requested;
+  PerEye<ReceivedTiles> known;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    asked.tiles[eye].assign(TileGrid{frame.masks[eye].size()}.count(), {});
-    known[eye].assign(asked.tiles[eye].size(), 0);
+    requested.tiles[eye].assign(TileGrid{frame.masks[eye].size()}.count(), {});
+    known[eye].assign(requested.tiles[eye].size(), 0);
   }
   for (const Bytes& datagram : datagrams) {
     const auto slice = std::get<AskSlice>(decode_client(datagram).value());
     const std::size_t eye = index_of(slice.eye);
-    check(decode_ask_slice(slice, asked.tiles[eye], known[eye]).has_value(), "our own slices open");
+    check(decode_ask_slice(slice, requested.tiles[eye], known[eye]).has_value(), "our own slices open");
   }
-  return asked;
+  return requested;
 }
 
 std::vector<Bytes> seal(const std::vector<Bytes>& messages, Sealer& sealer) {
@@ -244,45 +244,45 @@ void print_columns(std::initializer_list<Column> columns) {
 struct Packing {
   Column kilobytes, datagrams, pack_ms, open_ms;
 
-  void measure(const ShadowFrame& frame, const AskedBlocks& asked, SlicePacker& packer) {
+  void measure(const ShadowFrame& frame, const RequestedBlocks& requested, SlicePacker& packer) {
     PerEye<EyeMask> masks;
-    PerEye<KnownTiles> known;
+    PerEye<ReceivedTiles> known;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       masks[eye] = EyeMask(frame.masks[eye].size(), frame.masks[eye].lights());
       known[eye].assign(TileGrid{masks[eye].size()}.count(), 0);
     }
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
-      const std::vector<Bytes> packed = pack(frame, asked, packer);
+      const std::vector<Bytes> packed = pack(frame, requested, packer);
       pack_ms.values.push_back(ms_of(packing.elapsed()));
       const Stopwatch opening;
-      open(packed, asked, masks, known);
+      open(packed, requested, masks, known);
       open_ms.values.push_back(ms_of(opening.elapsed()));
       if (repeat > 0) continue;
       kilobytes.values.push_back(size_of(packed) / 1e3);
       datagrams.values.push_back(static_cast<double>(packed.size()));
     }
-    if (asked.whole()) check(masks == frame.masks, "masks are unchanged");
+    if (requested.whole()) check(masks == frame.masks, "masks are unchanged");
   }
 };
 
 /// Figures of packing what is asked for of both eyes.
-struct Asking {
+struct RequestFigures {
   Column share{"  blocks asked for, %", {}}, lights{"  shares of the lights in each", {}},
       bytes{"  its AskSlices, bytes", {}}, pack_ms{"    pack both eyes, ms", {}},
       open_ms{"    decode both eyes, ms", {}};
 
-  void measure(const ShadowFrame& frame, const AskedBlocks& asked, AskPacker& packer) {
-    const double all = static_cast<double>(asked.tiles[0].size() + asked.tiles[1].size()) * 16;
-    const AskedCount count(asked);
+  void measure(const ShadowFrame& frame, const RequestedBlocks& requested, AskPacker& packer) {
+    const double all = static_cast<double>(requested.tiles[0].size() + requested.tiles[1].size()) * 16;
+    const RequestedCount count(requested);
     share.values.push_back(100 * count.blocks / all);
     if (count.blocks > 0) lights.values.push_back(count.lights / count.blocks);
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
-      const std::vector<Bytes> packed = pack(frame, asked, packer);
+      const std::vector<Bytes> packed = pack(frame, requested, packer);
       pack_ms.values.push_back(ms_of(packing.elapsed()));
       const Stopwatch opening;
-      check(open(packed, frame) == asked, "asked blocks are unchanged");
+      check(open(packed, frame) == requested, "requested blocks are unchanged");
       open_ms.values.push_back(ms_of(opening.elapsed()));
       if (repeat == 0) bytes.values.push_back(size_of(packed));
     }
@@ -379,7 +379,7 @@ struct Arrival {
     }
     const RequestRecord& record = *assembler.find(request.frame);
     const double known = record.tiles_known[0] + record.tiles_known[1],
-                 all = record.tiles_asked[0] + record.tiles_asked[1];
+                 all = record.tiles_requested[0] + record.tiles_requested[1];
     return known / (all * frame.masks[0].layout().planes());
   }
 };
@@ -403,7 +403,7 @@ Expected<void> run(const Options& options, const std::string& file) {
           next = packing_of("next view: slices, KB");
   Block block;
   std::array<Arrival, 3> arrivals{Arrival{0}, Arrival{0.01}, Arrival{0.05}};
-  Asking asking_edges, asking_next;
+  RequestFigures edge_requests, next_requests;
   std::mt19937 random(1);
   SealTimes sealing;
   ShadowFrame frame;
@@ -414,15 +414,16 @@ Expected<void> run(const Options& options, const std::string& file) {
     const Stopwatch tracing;
     tracer->trace(request, frame);
     trace_ms.values.push_back(ms_of(tracing.elapsed()));
-    const AskedBlocks with_edges{{edges_of(frame.masks[0]), edges_of(frame.masks[1])}};
-    const AskedBlocks of_next{{asked_of(frame.masks[0], random), asked_of(frame.masks[1], random)}};
+    const RequestedBlocks with_edges{{edges_of(frame.masks[0]), edges_of(frame.masks[1])}};
+    const RequestedBlocks of_next{
+        {requested_of(frame.masks[0], random), requested_of(frame.masks[1], random)}};
     block.measure(frame);
     for (Arrival& arrival : arrivals) arrival.measure(request, frame, packer);
     whole.measure(frame, {}, packer);
     edges.measure(frame, with_edges, packer);
-    asking_edges.measure(frame, with_edges, ask_packer);
+    edge_requests.measure(frame, with_edges, ask_packer);
     next.measure(frame, of_next, packer);
-    asking_next.measure(frame, of_next, ask_packer);
+    next_requests.measure(frame, of_next, ask_packer);
     sealing.measure(pack(frame, {}, packer));
   }
   std::printf("%s\n%u x %u an eye, %u lights, %u poses\n%-40s %8s %8s %8s %8s\n", file.c_str(),
@@ -432,14 +433,14 @@ Expected<void> run(const Options& options, const std::string& file) {
   const auto print_packing = [](const Packing& packing) {
     print_columns({packing.kilobytes, packing.datagrams, packing.pack_ms, packing.open_ms});
   };
-  const auto print_asking = [](const Asking& asking) {
+  const auto print_requests = [](const RequestFigures& asking) {
     print_columns({asking.share, asking.lights, asking.bytes, asking.pack_ms, asking.open_ms});
   };
   print_packing(whole);
   print_packing(edges);
-  print_asking(asking_edges);
+  print_requests(edge_requests);
   print_packing(next);
-  print_asking(asking_next);
+  print_requests(next_requests);
   for (const Arrival& arrival : arrivals) {
     std::printf("whole views at %.0f %% loss\n", 100 * arrival.loss);
     print_columns({arrival.slices, arrival.whole, arrival.block});
@@ -454,7 +455,7 @@ Expected<void> run(const Options& options, const std::string& file) {
 
 // ---- initial probabilities
 
-/// Counts the decisions of coding masks and asked blocks. A slice ends after so many tiles.
+/// Counts the decisions of coding masks and requested blocks. A slice ends after so many tiles.
 struct Training {
   static constexpr std::uint32_t kSlice_tiles = 1024;
 
@@ -463,9 +464,9 @@ struct Training {
   DecisionCounts::Counts counts;
   DecisionCounts counter{counts};
 
-  void mask(const EyeMask& mask, std::span<const AskedTile> asked) {
+  void mask(const EyeMask& mask, std::span<const RequestedTile> requested) {
     const TileGrid grid{mask.size()};
-    const AskedTiles tiles(mask.size(), mask.lights(), asked);
+    const RequestedTiles tiles(mask.size(), mask.lights(), requested);
     for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane) {
       CodedTiles coded;
       MaskCoder coder(counter, mask_models, coded, mask.layout().lights_in(plane));
@@ -474,7 +475,7 @@ struct Training {
           coded.start(grid.columns(), tile);
           coder.form(false);
         }
-        const AskedTile in_tile = tiles.at(tile);
+        const RequestedTile in_tile = tiles.at(tile);
         if (in_tile.any() == kNoBlocks) {
           coded.add_nothing();
           continue;
@@ -486,11 +487,11 @@ struct Training {
     }
   }
 
-  void asked(const EyeMask& mask, std::span<const AskedTile> asked) {
+  void requested(const EyeMask& mask, std::span<const RequestedTile> requested) {
     const TileGrid grid{mask.size()};
     AskCoder coder(counter, ask_models, grid.columns(), mask.lights());
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-      AskedTile in_tile = asked[tile];
+      RequestedTile in_tile = requested[tile];
       coder.tile(tile, in_tile);
     }
   }
@@ -525,10 +526,10 @@ Expected<void> train(const Options& options) {
     for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
       tracer->trace(request_of(*scene, options, pose + 0.5), frame);
       for (const EyeMask& mask : frame.masks) {
-        const std::vector<AskedTile> asked = asked_of(mask, random);
+        const std::vector<RequestedTile> requested = requested_of(mask, random);
         training->mask(mask, {});
-        training->mask(mask, asked);
-        training->asked(mask, asked);
+        training->mask(mask, requested);
+        training->requested(mask, requested);
       }
     }
   }

@@ -55,7 +55,7 @@ GenuineClient::GenuineClient(DatagramPort& port, const Clock& time, const Peer& 
       tap(port, recorded),
       link(tap, time, {server, key_named(std::move(name)), kServed.scene_hash, {kServed.light_count}},
            Assembler::kKept + 1) {
-  check(link.meet(std::chrono::seconds(1)).has_value(), "a client with the key is welcomed");
+  check(link.connect(std::chrono::seconds(1)).has_value(), "a client with the key is welcomed");
 }
 
 void GenuineClient::ask() {
@@ -63,7 +63,7 @@ void GenuineClient::ask() {
 }
 
 void GenuineClient::check_masks() const {
-  for (const RequestRecord* received : link.inbox().received(clock.now())) {
+  for (const RequestRecord* received : link.receiver().received(clock.now())) {
     if (!received->complete()) continue;
     ShadowFrame painted;
     paint(request(received->request.frame.value), painted);

@@ -29,7 +29,7 @@ Hello hello_of(const Bytes& datagram) {
 /// The datagrams of a client with a key of the ring, and of an outsider with another key.
 struct Genuine {
   SharedKey key{.name = "desk", .secret = {7}}, other{.name = "wrong", .secret = {8}};
-  Time met = Time(std::chrono::seconds(100));
+  Time completed = Time(std::chrono::seconds(100));
   Gate gate{{key}, 1e9};
   ClientHandshake client{key, kServed.scene_hash}, outsider{other, kServed.scene_hash};
   Bytes bare, cookied,
@@ -47,7 +47,7 @@ struct Genuine {
   /// Sends `hello` to the gate from peer 0. Returns the hello with the cookie of the answer.
   Bytes with_cookie(ClientHandshake& handshake, const Bytes& hello) {
     Bytes answer, again;
-    check(gate.admit(peer(0), hello_of(hello), hello, met, answer) == nullptr,
+    check(gate.admit(peer(0), hello_of(hello), hello, completed, answer) == nullptr,
           "the first hello gets a cookie");
     check(handshake.take(std::get<Retry>(open_server_envelope(answer).value())), "a retry is accepted");
     handshake.write_hello(again);
@@ -61,17 +61,17 @@ Genuine& genuine() {
 }
 
 /// Gives the accept, changed or not, to its client.
-void meet(fuzz::Choices& choices) {
+void connect(fuzz::Choices& choices) {
   const Bytes datagram = fuzz::edited(genuine().accepted.datagram, choices);
   const auto envelope = open_server_envelope(datagram);
   const auto* const accept = envelope ? std::get_if<Accept>(&*envelope) : nullptr;
-  const auto met = accept != nullptr ? genuine().client.take(*accept, datagram) : std::nullopt;
-  check_eq(met.has_value(), datagram == genuine().accepted.datagram, "accepted only if unchanged");
-  if (!met) return;
-  check(std::get<Welcome>(met->answer) == kServed, "the client reads what the server wrote");
+  const auto completed = accept != nullptr ? genuine().client.take(*accept, datagram) : std::nullopt;
+  check_eq(completed.has_value(), datagram == genuine().accepted.datagram, "accepted only if unchanged");
+  if (!completed) return;
+  check(std::get<Welcome>(completed->answer) == kServed, "the client reads what the server wrote");
   const SessionKeys& server = genuine().accepted.keys;
-  check(met->keys.session == server.session && met->keys.to_server == server.to_server &&
-            met->keys.to_client == server.to_client,
+  check(completed->keys.session == server.session && completed->keys.to_server == server.to_server &&
+            completed->keys.to_client == server.to_client,
         "both sides hold the same keys");
 }
 
@@ -102,7 +102,7 @@ void knock(fuzz::Choices& choices) {
   Bytes answer;
   const SharedKey* admitted = nullptr;
   if (const auto* hello = std::get_if<Hello>(&*envelope))
-    admitted = genuine().gate.admit(peer(host), *hello, datagram, genuine().met + later, answer);
+    admitted = genuine().gate.admit(peer(host), *hello, datagram, genuine().completed + later, answer);
   else if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
     genuine().gate.refuse_version(*foreign, answer);
   const bool proved = datagram == genuine().cookied && host == 0;
@@ -117,7 +117,7 @@ void knock(fuzz::Choices& choices) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Choices choices(data, size);
   const std::uint32_t form = choices.up_to(2);
-  if (form == 0) meet(choices);
+  if (form == 0) connect(choices);
   if (form == 1) retry(choices);
   if (form == 2) knock(choices);
   return 0;

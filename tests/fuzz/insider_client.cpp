@@ -1,5 +1,5 @@
-// A server that offers every kind of answer, with the makers of masks, of planes and of video that it has in
-// earnest, a genuine client, and a client that holds another key and does with it what it likes: any bytes
+// A server that offers every kind of answer, with the handlers of masks, of planes and of video that it has
+// in earnest, a genuine client, and a client that holds another key and does with it what it likes: any bytes
 // sealed for its sessions, requests of every kind with too many parts and with numbers and times that jump,
 // counters that jump, sessions begun anew, hellos with the public keys of others. The input is a list of
 // steps in virtual time. After each step the jobs that the server made fit their requests, and it has no more
@@ -10,7 +10,7 @@
 #include <array>
 
 #include "rt_server/answers/video.h"
-#include "stereo/frame/surround.h"
+#include "stereo/frame/cube_mask.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/frame_fields.h"
 #include "stereo/wire/mask_block.h"
@@ -186,7 +186,7 @@ Bytes Conversation::request(std::uint32_t place, fuzz::Choices& choices) {
   if (positions) request.answer.position_bits = kLeastPosition_bits;
   if (positions || request.answer.kind == Answer::Masks) request.answer.slices = choices.up_to(65535);
   if (request.answer.kind == Answer::Masks && request.answer.slices == 0) request.answer.coding = Coding::Lz4;
-  if (request.answer.kind == Answer::Surround) request.frame.value += kFirstSurroundFrame.value;
+  if (request.answer.kind == Answer::CubeMask) request.frame.value += kFirstCubeMaskFrame.value;
   message.probe_echo = choices.up_to(1) == 0 ? evil(place).probe : any_number(choices);
   message.arrivals.first = any_number(choices) / 2;
   if (choices.up_to(3) == 0) message.arrivals.base = any_time(choices);

@@ -70,7 +70,7 @@ class Conversation {
 
 Conversation::Conversation() {
   wire_.while_waiting([this] { server_.serve(); });
-  check(link_.meet(1s).has_value(), "whoever has the key can be a server");
+  check(link_.connect(1s).has_value(), "whoever has the key can be a server");
   ask({});
 }
 
@@ -163,10 +163,10 @@ void Conversation::step(fuzz::Choices& choices) {
 }
 
 void Conversation::check_client() const {
-  for (const RequestRecord* record : link_.inbox().received(Time::max())) {
+  for (const RequestRecord* record : link_.receiver().received(Time::max())) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const EyeMask& mask = record->masks[eye];
-      check(record->tiles_known[eye] <= record->tiles_asked[eye] * mask.layout().planes(),
+      check(record->tiles_known[eye] <= record->tiles_requested[eye] * mask.layout().planes(),
             "tiles count once");
       for (std::uint32_t y = 0; y < mask.size().height; ++y)
         for (std::uint32_t x = 0; x < mask.size().width; ++x)
@@ -181,7 +181,7 @@ void Conversation::check_client() const {
     check(record->video.parts_known <= record->video.known.size(), "parts count once");
     check(record->video.unit.size() <= kMostVideoParts * kVideoPart_bytes, "a unit is bounded");
   }
-  check(link_.inbox().view_scale() <= kFullViewScale, "views grow to full size at most");
+  check(link_.receiver().view_scale() <= kFullViewScale, "views grow to full size at most");
   check(!link_.refused(), "only a handshake refuses");
   check(link_.counters().sessions <= server_.sessions(), "a session begins with a handshake");
 }
@@ -191,13 +191,13 @@ void Conversation::finish() {
   say(mask_block({frame_}));
   ShadowFrame block;
   fuzz::paint(fuzz::request(frame_), block);
-  check(link_.inbox().find({frame_})->masks == block.masks, "the next block opens");
+  check(link_.receiver().find({frame_})->masks == block.masks, "the next block opens");
   ask({});
   for (const Bytes& message : honest_answer()) say(message);
   check(link_.wait_for({frame_}, 1ms), "the next answer comes whole");
   ShadowFrame painted;
   fuzz::paint(fuzz::request(frame_), painted);
-  check(link_.inbox().find({frame_})->masks == painted.masks, "and bit for bit");
+  check(link_.receiver().find({frame_})->masks == painted.masks, "and bit for bit");
   check_client();
 }
 

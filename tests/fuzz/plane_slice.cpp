@@ -43,22 +43,22 @@ PixelPlane travelled(const PixelPlane& plane, PlaneKind kind) {
   PlanePacker packer;
   packer.start(FrameId{}, Side::Left, kind, plane);
   PixelPlane back(plane.size, plane.word_bytes);
-  KnownTiles known(TileGrid{plane.size}.count(), 0);
+  ReceivedTiles known(TileGrid{plane.size}.count(), 0);
   while (const std::optional<PlaneSlice> slice = packer.next()) {
     check(slice->block.size() <= kMaxPlaneBlock_bytes, "a block fits its datagram");
     const auto learned = decode_plane_tiles(*slice, back, known);
     check(learned && *learned == slice->tile_count, "a slice of our packer teaches all its tiles");
   }
-  check(known == KnownTiles(known.size(), 1), "all tiles are known");
+  check(known == ReceivedTiles(known.size(), 1), "all tiles are known");
   return back;
 }
 
 /// Whether the slice was accepted.
 bool decode(const PlaneSlice& slice) {
   PixelPlane plane(slice.size, slice.word_bytes);
-  KnownTiles known(TileGrid{slice.size}.count(), 0);
+  ReceivedTiles known(TileGrid{slice.size}.count(), 0);
   const PixelPlane blank = plane;
-  const KnownTiles unknown = known;
+  const ReceivedTiles unknown = known;
   const auto learned = decode_plane_tiles(slice, plane, known);
   if (!learned) {
     check(plane == blank && known == unknown, "a refused slice changes nothing");

@@ -66,13 +66,13 @@ void save_compressed(const fs::path& folder) {
   save(folder / "wild.parts", parts(file));
 }
 
-/// The numbers of slice_and_tiles.cpp for this slice, the asked blocks, then the slice's block.
+/// The numbers of slice_and_tiles.cpp for this slice, the requested blocks, then the slice's block.
 Bytes slice_input(unsigned kind, const auto& slice, std::uint32_t lights, std::uint32_t plane,
-                  std::span<const AskedTile> asked) {
+                  std::span<const RequestedTile> requested) {
   Bytes input =
       wire_samples::bytes_of({kind, lights >> 8, lights & 255, slice.size.width - 1, slice.size.height - 1,
                               plane, slice.first_tile, slice.tile_count - 1});
-  for (const AskedTile& tile : asked)
+  for (const RequestedTile& tile : requested)
     for (std::uint32_t share = 0; share < shares_of(lights); ++share) {
       input.push_back(static_cast<std::byte>(tile.shares[share] >> 8));
       input.push_back(static_cast<std::byte>(tile.shares[share] & 255));
@@ -85,31 +85,32 @@ Bytes slice_input(unsigned kind, const auto& slice, std::uint32_t lights, std::u
 void save_slices(const fs::path& folder, const std::string& name, const EyeMask& mask) {
   const ShadowFrame frame = wire_samples::frame_of(mask, mask);
   const std::uint32_t lights = mask.lights();
-  std::vector<AskedTile> some(TileGrid{mask.size()}.count(), all_lights_in(0x0f36, lights));
+  std::vector<RequestedTile> some(TileGrid{mask.size()}.count(), all_lights_in(0x0f36, lights));
   some[0] = all_lights_in(kAllBlocks, lights);
-  std::vector<AskedTile> apart = some;
+  std::vector<RequestedTile> apart = some;
   for (std::uint32_t i = 0; i < apart.size(); ++i)
     for (std::uint32_t share = 0; share < shares_of(lights); ++share)
       apart[i].shares[share] = static_cast<BlockBits>(i == 0 ? 0xffff : 0x2310u << (share + i) % 3);
   SlicePacker packer;
-  const auto save_all = [&](unsigned kind, const std::string& suffix, std::span<const AskedTile> asked) {
-    packer.start(frame, Side::Left, asked);
+  const auto save_all = [&](unsigned kind, const std::string& suffix,
+                            std::span<const RequestedTile> requested) {
+    packer.start(frame, Side::Left, requested);
     while (const std::optional<Slice> slice = packer.next())
       save(folder /
                (name + "_" + std::to_string(slice->plane) + "_" + std::to_string(slice->first_tile) + suffix),
-           slice_input(kind, *slice, slice->lights, slice->plane, asked));
+           slice_input(kind, *slice, slice->lights, slice->plane, requested));
   };
   save_all(0, "_whole", {});
   save_all(1, "_some", some);
   save_all(1, "_apart", apart);
-  const auto save_asked = [&](const std::string& suffix, std::span<const AskedTile> asked) {
+  const auto save_requested = [&](const std::string& suffix, std::span<const RequestedTile> requested) {
     AskPacker asking;
-    asking.start(FrameId{1}, Side::Left, mask.size(), lights, asked);
+    asking.start(FrameId{1}, Side::Left, mask.size(), lights, requested);
     while (const std::optional<AskSlice> slice = asking.next())
       save(folder / (name + suffix), slice_input(2, *slice, lights, 0, {}));
   };
-  save_asked("_ask", some);
-  save_asked("_ask_apart", apart);
+  save_requested("_ask", some);
+  save_requested("_ask_apart", apart);
 }
 
 /// The form and the other numbers of plane_slice.cpp, then a block or the tiles that it decompresses to.
@@ -280,10 +281,10 @@ void save_videos(const fs::path& folder) {
     }
     return made;
   };
-  const std::vector<Bytes> asked = units({64, 48}), larger = units({1024, 1024});
-  save(folder / "key", asked[0]);
-  save(folder / "next", asked[1]);
-  save(folder / "cut", Bytes(asked[0].begin(), asked[0].begin() + 400));
+  const std::vector<Bytes> requested = units({64, 48}), larger = units({1024, 1024});
+  save(folder / "key", requested[0]);
+  save(folder / "next", requested[1]);
+  save(folder / "cut", Bytes(requested[0].begin(), requested[0].begin() + 400));
   save(folder / "larger", Bytes(larger[0].begin(), larger[0].begin() + 400));
 }
 

@@ -111,7 +111,7 @@ class PaperPicture : public OnLavapipe {
 
 TEST_F(PaperPicture, HasEveryColourOfThePlaneRight) {
   const Mask own = rig_.ask(kNow, now_);
-  expect_as_on_paper(check_plane(rig_.show(now_, {own.traced_mask()}, kPlainCarryOver), now_, kMargin_m));
+  expect_as_on_paper(check_plane(rig_.show(now_, {own.traced_mask()}, kPlainReprojection), now_, kMargin_m));
 }
 
 TEST_F(PaperPicture, KeepsShadowsInPlaceUnderStaleMasks) {
@@ -181,7 +181,7 @@ TEST_F(Formula, AnInfiniteIrradianceIsDarkInShadow) {
   TestRig rig(device_, std::move(scene), 192);
   Mask dark = rig.ask(kTraced, views);
   for (EyeMask& bits : dark.bits) bits = EyeMask(bits.size(), bits.layout());
-  const Shown shown = rig.show(views, {dark.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {dark.traced_mask()}, kPlainReprojection);
   const int grey = srgb8(0.2);
   std::size_t checked = 0, wrong = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {

@@ -33,9 +33,9 @@ class CoarseMask : public OnLavapipe {
   PerEye<Image<Rgb8>> reference_ = rig_.show_reference(shown_);
 
   /// The lower PSNR of the two eyes.
-  double psnr_of(const StereoView& traced_for, const CarryOver& carry_over = {}) {
+  double psnr_of(const StereoView& traced_for, const Reprojection& reprojection = {}) {
     const Mask traced = rig_.ask(kTraced, traced_for);
-    const PerEye<Image<Rgb8>> pictures = rig_.show(shown_, {traced.traced_mask()}, carry_over).pictures;
+    const PerEye<Image<Rgb8>> pictures = rig_.show(shown_, {traced.traced_mask()}, reprojection).pictures;
     if (const char* folder = std::getenv("FARSHADE_KEEP_PICTURES"))
       (void)write_png(std::string(folder) + "/coarse_" + std::to_string(traced_for[0].size.width) + ".png",
                       pictures[0]);

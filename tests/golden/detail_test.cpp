@@ -8,7 +8,7 @@
 #include "stereo/scene/gltf.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
-#include "tests/unit/detail/shapes.h"
+#include "tests/unit/lod/shapes.h"
 
 namespace farshade {
 namespace {
@@ -27,7 +27,7 @@ class LevelsInPictures : public OnLavapipe {
   }
 
   PerEye<Image<Rgb8>> draw(Renderer& with, const StereoView& views, Detail detail) const {
-    with.draw({.views = views, .state = state_, .masks = {}, .carry_over = {}, .detail = detail});
+    with.draw({.views = views, .state = state_, .masks = {}, .reprojection = {}, .detail = detail});
     return with.read_shown();
   }
 
@@ -145,7 +145,7 @@ TEST_F(OnLavapipe, ClustersOutsideOfTheViewsAreLeftOut) {
     renderer.draw({.views = eyes_of(head, kDetailSide_px),
                    .state = state_at(scene, Time{}),
                    .masks = {},
-                   .carry_over = {}});
+                   .reprojection = {}});
     for (const Image<float>& eye : renderer.read_distance())
       EXPECT_GT(*std::ranges::min_element(eye.pixels), 0) << direction;
     EXPECT_LT(renderer.counters().gbuffer_triangles, triangles) << "half of both eyes' triangles";

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "stereo/draw/shading_layout.h"
-#include "stereo/frame/surround.h"
+#include "stereo/frame/cube_mask.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
@@ -72,7 +72,7 @@ Mask all_lit(MaskLayout layout, FrameId frame, const StereoView& views) {
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane)
     for (std::uint32_t y = 0; y < kSize.height; ++y)
       for (std::uint32_t x = 0; x < kSize.width; ++x) bits.set_word(x, y, plane, layout.used_bits(plane));
-  const KnownTiles all(TileGrid{kSize}.count(), all_planes_known(layout));
+  const ReceivedTiles all(TileGrid{kSize}.count(), all_planes_received(layout));
   return {frame, Time{}, views, {bits, bits}, {all, all}};
 }
 
@@ -94,7 +94,7 @@ class Economy : public OnLavapipe {
                    .state = now,
                    .request = &second,
                    .masks = masks,
-                   .carry_over = {},
+                   .reprojection = {},
                    .request_slot = 1});
     return renderer.counters();
   }
@@ -169,15 +169,15 @@ TEST_F(Economy, MasksTakeTheNarrowestWords) {
   EXPECT_EQ(bytes_a_pixel({Feature::ManyLights}), 8u);
 }
 
-TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToCarryThemOver) {
-  const DrawCounters carried = drawn(scene_with({})),
-                     fitting = drawn(scene_with({}), {.carries_over = false});
+TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToReprojectThem) {
+  const DrawCounters reprojected = drawn(scene_with({})),
+                     fitting = drawn(scene_with({}), {.reprojects = false});
   EXPECT_EQ(fitting.pipelines, 1u + 1u) << "G-buffer, and one pass for both eyes";
-  EXPECT_EQ(fitting.bindings, carried.bindings - 3)
-      << "the depth pass, the list of hard pixels, and the surround";
+  EXPECT_EQ(fitting.bindings, reprojected.bindings - 3)
+      << "the depth pass, the list of hard pixels, and the cube mask";
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
-  EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, carried.memory.now[Use::GBuffer] * 2);
-  EXPECT_LE(fitting.memory.now[Use::Masks] * 4, carried.memory.now[Use::Masks] + 1024);
+  EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, reprojected.memory.now[Use::GBuffer] * 2);
+  EXPECT_LE(fitting.memory.now[Use::Masks] * 4, reprojected.memory.now[Use::Masks] + 1024);
 }
 
 TEST_F(Economy, TheOtherEyeIsLookedUpOnlyWhereItStandsElsewhere) {
@@ -213,12 +213,12 @@ TEST_F(Economy, PipelinesAreCompiledAheadOneASubmission) {
   EXPECT_EQ(renderer.counters().pipelines, steps.size());
 }
 
-/// However many passes draw it: the shown views, the requested ones and six faces of the surround.
+/// However many passes draw it: the shown views, the requested ones and six faces of the cube mask.
 TEST_F(Economy, AMeshIsDeformedOnceForEachTimeOfAFrame) {
   std::mt19937 random(3);
   const Scene scene = bending_figures(random, 3000);
   const DrawPlan plan = plan_for(scene).draw;
-  ASSERT_GT(most_surround(plan), 0u);
+  ASSERT_GT(most_cube_mask_pairs(plan), 0u);
   Renderer renderer(device_, scene, plan, kLimits);
   const auto meshes = static_cast<std::uint64_t>(
       std::ranges::count_if(scene.instances, [](const Instance& i) { return i.rig.has_value(); }));
@@ -229,15 +229,15 @@ TEST_F(Economy, AMeshIsDeformedOnceForEachTimeOfAFrame) {
     const SceneState state = state_at(scene, Time(now));
     const FrameRequest request{FrameId{number}, Time{}, Time(then), requested};
     std::vector<FrameRequest> pairs;
-    for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
-      pairs.push_back({FrameId{kFirstSurroundFrame.value + 3 * number + static_cast<std::uint32_t>(pair)},
+    for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair)
+      pairs.push_back({FrameId{kFirstCubeMaskFrame.value + 3 * number + static_cast<std::uint32_t>(pair)},
                        Time{}, Time(then), faces_about({{0, 0, 0}}, pair, face_size(kSize))});
     const std::vector<FaceRequest> faces{{pairs[0], 0}, {pairs[1], 1}, {pairs[2], 2}};
     renderer.draw({.views = shown,
                    .state = state,
                    .request = &request,
                    .masks = {},
-                   .carry_over = {},
+                   .reprojection = {},
                    .request_slot = number % 3,
                    .faces = faces});
     const std::uint64_t now_deformed = renderer.counters().meshes_deformed, news = now_deformed - before;
@@ -270,7 +270,7 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
     if (masks.size() > 6) masks.resize(6, masks.back());
     if (frame % 7 == 0 &&
         !masks.empty()) {  // a tile of the newest mask is lost: the content of the mask changes
-      masks.front().known_tiles[0][0] = 0;
+      masks.front().received_tiles[0][0] = 0;
       news = std::max<std::uint64_t>(news, 1);
     }
     std::vector<TracedMask> traced_masks;
@@ -280,7 +280,7 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
                    .state = state,
                    .request = &request,
                    .masks = traced_masks,
-                   .carry_over = {},
+                   .reprojection = {},
                    .request_slot = frame % kSlots});
     EXPECT_EQ(renderer.counters().mask_uploads - before, news) << "frame " << frame;
   }
@@ -321,14 +321,15 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = in_words_of(plan.mask, traced(first));
     const std::vector<TracedMask> masks{mask.traced_mask()};
-    CarriedOver carried;
-    EXPECT_EQ(renderer.carry({FrameId{3}, kThen, kThen, shown}, 2, masks.data(), carried).has_value(),
+    RequestReprojection reprojected;
+    EXPECT_EQ(renderer.reproject_to_request({FrameId{3}, kThen, kThen, shown}, 2, masks.data(), reprojected)
+                  .has_value(),
               plan.depth_pass);
     renderer.draw({.views = shown,
                    .state = now,
                    .request = &second,
                    .masks = masks,
-                   .carry_over = {},
+                   .reprojection = {},
                    .report = PixelReport::On});
     Shown result{renderer.read_shown(), {renderer.report(Side::Left), renderer.report(Side::Right)}};
     return {std::move(result), renderer.counters()};
@@ -338,7 +339,8 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     Expected<Tracer> tracer = Tracer::create(scene_);
     ShadowFrame frame;
     tracer->trace(request, frame);
-    const KnownTiles all(TileGrid{request.views[0].size}.count(), all_planes_known(frame.masks[0].layout()));
+    const ReceivedTiles all(TileGrid{request.views[0].size}.count(),
+                            all_planes_received(frame.masks[0].layout()));
     return {request.frame, kThen, request.views, std::move(frame.masks), {all, all}};
   }
 
@@ -384,14 +386,14 @@ TEST_P(WholeScene, LooksTheSameWithEverythingOnAndTakesTheMemoryThatIsPredicted)
 
 TEST_P(WholeScene, TakesTheMemoryThatIsPredictedWithShadowMaps) {
   device_.ledger = std::make_shared<gpu::Ledger>();
-  const DrawPlan plan = plan_for(scene_, {.carries_over = false, .all_lights = true}).draw;
+  const DrawPlan plan = plan_for(scene_, {.reprojects = false, .all_lights = true}).draw;
   const ShadowMapSettings settings{.side_px = 256};
   Renderer renderer(device_, scene_, plan, limits_);
   const SceneState now = state_at(scene_, kNow);
   renderer.draw({.views = eyes_of(head_, kSide_px),
                  .state = now,
                  .masks = {},
-                 .carry_over = {},
+                 .reprojection = {},
                  .report = PixelReport::On,
                  .shadow_maps = &settings});
   static_cast<void>(renderer.read_shown());

@@ -8,7 +8,7 @@
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
-#include "tests/unit/detail/shapes.h"
+#include "tests/unit/lod/shapes.h"
 
 namespace farshade {
 namespace {

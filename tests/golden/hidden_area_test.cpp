@@ -116,34 +116,36 @@ TEST_F(HiddenAreas, AreNotAskedFor) {
   const StereoView before = rig_.eyes(rig_.head());
   const StereoView views = rig_.eyes(moved(rig_.head(), 3 * kLensDegree, {0.05, 0, 0}));
   const Mask base = rig_.ask(kTraced, before);
-  const CarriedOver whole = rig_.carry(kNow, views, base).value();
+  const RequestReprojection whole = rig_.reproject_to_request(kNow, views, base).value();
   rig_.hide(lenses());
-  const CarriedOver seen = rig_.carry(kNow, views, base).value();
+  const RequestReprojection seen = rig_.reproject_to_request(kNow, views, base).value();
   const double surely = std::tan(std::atan(kLens_tan) + (kLeastTurn_deg + 1.5) * kLensDegree);
-  const auto asked = [&](const CarriedOver& carried) {
+  const auto requested = [&](const RequestReprojection& reprojected) {
     return [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
-      return asked_bits(carried.asked, eye, views[eye].size, {x, y}) != 0;
+      return requested_bits(reprojected.requested, eye, views[eye].size, {x, y}) != 0;
     };
   };
-  const auto covered = [&](const CarriedOver& carried, std::size_t eye, std::uint32_t x, std::uint32_t y) {
+  const auto covered = [&](const RequestReprojection& reprojected, std::size_t eye, std::uint32_t x,
+                           std::uint32_t y) {
     const std::size_t tile = y / kTileSide_px * TileGrid{views[eye].size}.columns() + x / kTileSide_px;
-    return (carried.covered[eye][tile] & block_bit(x % kTileSide_px, y % kTileSide_px)) != 0;
+    return (reprojected.covered[eye][tile] & block_bit(x % kTileSide_px, y % kTileSide_px)) != 0;
   };
-  const double asked_whole = share(views, asked(whole)), asked_seen = share(views, asked(seen));
-  RecordProperty("asked_percent_whole", std::to_string(100 * asked_whole));
-  RecordProperty("asked_percent_seen", std::to_string(100 * asked_seen));
-  EXPECT_GT(asked_whole, 0.02);
-  EXPECT_LT(asked_seen, asked_whole);
+  const double requested_whole = share(views, requested(whole)),
+               requested_seen = share(views, requested(seen));
+  RecordProperty("asked_percent_whole", std::to_string(100 * requested_whole));
+  RecordProperty("asked_percent_seen", std::to_string(100 * requested_seen));
+  EXPECT_GT(requested_whole, 0.02);
+  EXPECT_LT(requested_seen, requested_whole);
   EXPECT_EQ(share(views,
                   [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
                     const bool hidden = is_hidden(views[eye], x, y, surely);
-                    return hidden && (asked(seen)(eye, x, y) || covered(seen, eye, x, y));
+                    return hidden && (requested(seen)(eye, x, y) || covered(seen, eye, x, y));
                   }),
             0);
   EXPECT_EQ(share(views,
                   [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
                     const bool is = is_seen(views[eye], x, y);
-                    return is && (asked(seen)(eye, x, y) != asked(whole)(eye, x, y) ||
+                    return is && (requested(seen)(eye, x, y) != requested(whole)(eye, x, y) ||
                                   covered(seen, eye, x, y) != covered(whole, eye, x, y));
                   }),
             0);
@@ -157,10 +159,10 @@ TEST_F(HiddenAreas, LeaveMasksKnownWhereTheEyesTurnTo) {
   // The mask is used at these views; its depth is that of what `hidden` leaves.
   const auto unknown_at_edge = [&](const PerEye<HiddenArea>& hidden, double yaw_rad) {
     rig_.hide(hidden);
-    static_cast<void>(rig_.carry(kTraced, traced, base));
+    static_cast<void>(rig_.reproject_to_request(kTraced, traced, base));
     const Mask mask = rig_.trace(kTraced, traced);
     const StereoView views = rig_.eyes(moved(rig_.head(), yaw_rad, {}));
-    const Shown shown = rig_.show(views, {mask.traced_mask()}, kPlainCarryOver);
+    const Shown shown = rig_.show(views, {mask.traced_mask()}, kPlainReprojection);
     return share(views, [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
       return is_seen(views[eye], x, y, 0.45) && distance_from_axis(views[eye], x, y) > 0.42 &&
              shown.reports[eye].sources[std::size_t{y} * kLensSide_px + x] == kSourceUnknown;

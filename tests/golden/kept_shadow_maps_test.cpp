@@ -14,7 +14,7 @@ constexpr ShadowMapSettings kWhenMoved{.side_px = 256}, kAlways{.side_px = 256, 
 class MapRenderer {
  public:
   MapRenderer(const gpu::Device& device, const Scene& scene, const ShadowMapSettings& settings)
-      : renderer_(device, scene, plan_for(scene, {.carries_over = false, .all_lights = true}).draw,
+      : renderer_(device, scene, plan_for(scene, {.reprojects = false, .all_lights = true}).draw,
                   {{kEye_px, kEye_px}, {kEye_px, kEye_px}, 1}),
         settings_(settings) {}
 
@@ -22,7 +22,7 @@ class MapRenderer {
     renderer_.draw({.views = eyes_of(head, kEye_px),
                     .state = state,
                     .masks = {},
-                    .carry_over = {},
+                    .reprojection = {},
                     .shadow_maps = &settings_});
     return renderer_.read_shown();
   }

@@ -25,7 +25,7 @@ Mask with_noise_in(Mask mask, std::uint32_t light, std::uint64_t seed) {
 
 /// The same mask with every other tile lost.
 Mask half_known(Mask mask) {
-  for (KnownTiles& tiles : mask.known_tiles)
+  for (ReceivedTiles& tiles : mask.received_tiles)
     for (std::size_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = tile % 2;
   return mask;
 }
@@ -91,9 +91,9 @@ TEST_F(LightSets, ALightThatIsOffAddsNothingWhateverMasksSay) {
 
 TEST_F(LightSets, OnlyTheChangedLightIsStaleInTheNewestMask) {
   const Mask traced = with_noise(rig_.ask(kTraced, views_), 1);
-  const Shown before = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown before = rig_.show(views_, {traced.traced_mask()}, kPlainReprojection);
   rig_.set_lights(changed(true, kElsewhere));
-  const Shown after = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown after = rig_.show(views_, {traced.traced_mask()}, kPlainReprojection);
   for (const std::uint32_t light : {0u, 1u, 2u}) {
     EXPECT_EQ(count_of(before, light).stale, 0u) << light;
     const Counts counts = count_of(after, light);
@@ -108,7 +108,7 @@ TEST_F(LightSets, AMaskOfTheNewSetIsNotStaleAndGivesTheReference) {
   (void)rig_.ask(kOlder, views_);
   rig_.set_lights(changed(true, kElsewhere));
   const Mask traced = rig_.ask(kTraced, views_);
-  const Shown shown = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig_.show(views_, {traced.traced_mask()}, kPlainReprojection);
   EXPECT_EQ(count_of(shown, kChanged).stale, 0u);
   expect_same(shown.pictures, rig_.show_reference(views_));
 }
@@ -117,7 +117,7 @@ TEST_F(LightSets, AnOlderMaskIsNotAskedAboutALightThatWasChangedSince) {
   const Mask older = rig_.ask(kOlder, views_);
   rig_.set_lights(changed(true, kElsewhere));
   const Mask newest = half_known(rig_.ask(kTraced, views_));
-  const Shown plain = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
+  const Shown plain = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainReprojection);
   const Counts counts = count_of(plain, kChanged);
   EXPECT_GT(counts.from_older, counts.all / 4);
   EXPECT_EQ(counts.unknown, counts.from_older);
@@ -138,7 +138,7 @@ TEST_F(LightSets, ALightSwitchedOnAgainDoesNotShowTheBitsFromBeforeItWasOff) {
   const Mask newest = half_known(rig_.ask(kTraced, views_));
   change(changes, kChanged, true, std::nullopt);
   rig_.set_lights(changes);
-  const Shown shown = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainReprojection);
   const Counts counts = count_of(shown, kChanged);
   EXPECT_EQ(counts.unknown, counts.from_older);
   EXPECT_EQ(counts.stale, counts.all - counts.from_older);

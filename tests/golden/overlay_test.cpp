@@ -38,7 +38,7 @@ void lose_tiles(Mask& mask, std::uint32_t first_column, std::uint32_t one_in) {
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
       const std::uint32_t column = tile % grid.columns(), row = tile / grid.columns();
       const bool in_block = column >= first_column && column < first_column + 4 && row >= 4 && row < 8;
-      if (in_block || (tile + eye) % one_in == 0) mask.known_tiles[eye][tile] = 0;
+      if (in_block || (tile + eye) % one_in == 0) mask.received_tiles[eye][tile] = 0;
     }
   }
 }

@@ -31,7 +31,7 @@ class PipelineCache : public OnLavapipe {
                       {.size = kCacheTestSize, .traced_size = kCacheTestSize, .depth_frames = 1});
     const View view = look({0, 0, 0}, {0, 0, -1}, kCacheTestSize.width);
     const SceneState state = state_at(scene, Time{});
-    renderer.draw({.views = {view, view}, .state = state, .masks = {}, .carry_over = {}});
+    renderer.draw({.views = {view, view}, .state = state, .masks = {}, .reprojection = {}});
     return renderer.read_shown();
   }
 

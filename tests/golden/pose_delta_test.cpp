@@ -196,7 +196,7 @@ TEST_P(PoseDeltaFault, RefusesADroppedSameSurfaceTest) {
       const ShownReport& report = right.reports[eye];
       tested.bits[eye] = report.mask;
       dropped.bits[eye] =
-          carried_without_test({views_.shown[eye], distance_m[eye]}, views_.traced[eye], mask.bits[eye]);
+          reprojected_without_test({views_.shown[eye], distance_m[eye]}, views_.traced[eye], mask.bits[eye]);
       for (std::size_t i = 0; i < report.sources.size(); ++i)
         if (report.sources[i] == 0) copy_pixel(report.mask, dropped.bits[eye], i);
     }

@@ -22,13 +22,13 @@ class ReceivedGBuffer : public OnLavapipe {
     Tracer tracer = Tracer::create(scene).value();
     ShadowFrame frame;
     tracer.trace({.frame = {}, .display_time = {}, .scene_time = {}, .views = views}, frame);
-    const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(frame.masks[0].layout()));
+    const ReceivedTiles all(TileGrid{views[0].size}.count(), all_planes_received(frame.masks[0].layout()));
     return {FrameId{}, Time{}, views, std::move(frame.masks), {all, all}};
   }
 
   static ShownFrame shown(const StereoView& views, const SceneState& state,
                           std::span<const TracedMask> masks) {
-    return {.views = views, .state = state, .masks = masks, .carry_over = {.lookup = Lookup::Direct}};
+    return {.views = views, .state = state, .masks = masks, .reprojection = {.lookup = Lookup::Direct}};
   }
 
   /// Another renderer with its own plan, which receives only the planes.
@@ -64,10 +64,10 @@ TEST_F(ReceivedGBuffer, GivesTheSamePictureBitForBit) {
   }
 }
 
-/// If masks are not carried over, the images have other words.
+/// If masks are not reprojected, the images have other words.
 TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
   const Scene scene = bundled("room.glb");
-  const DrawPlan direct = plan_for(scene, {.carries_over = false, .all_lights = true}).draw;
+  const DrawPlan direct = plan_for(scene, {.reprojects = false, .all_lights = true}).draw;
   expect_same_picture(scene, direct, whole_plan(scene));
   expect_same_picture(scene, whole_plan(scene), direct);
 }
@@ -75,10 +75,10 @@ TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
 /// One pixel, or a part of a report, is the same as in the whole.
 TEST_F(ReceivedGBuffer, ASinglePixelIsThatOfTheWhole) {
   for (const char* name : {"room.glb", "box_over_plane.gltf"})
-    for (const bool carries_over : {true, false}) {
+    for (const bool reprojects : {true, false}) {
       SCOPED_TRACE(name);
       const Scene scene = bundled(name);
-      const DrawPlan plan = plan_for(scene, {.carries_over = carries_over, .all_lights = true}).draw;
+      const DrawPlan plan = plan_for(scene, {.reprojects = reprojects, .all_lights = true}).draw;
       Renderer renderer(device_, scene, plan, kLimits);
       const SceneState state = state_at(scene, Time{});
       const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
@@ -90,7 +90,7 @@ TEST_F(ReceivedGBuffer, ASinglePixelIsThatOfTheWhole) {
       GBufferPlanes planes;
       renderer.read_gbuffer(planes);
       const PerEye<Image<float>> distance = renderer.read_distance();
-      const bool moves = carries_over && plan.anything_moves();
+      const bool moves = reprojects && plan.anything_moves();
       for (const Side side : kSides) {
         const std::size_t eye = index_of(side);
         const ShownReport whole = renderer.report(side);

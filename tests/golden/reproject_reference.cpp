@@ -52,13 +52,14 @@ double footprint(const View& view) {
 
 }  // namespace
 
-std::optional<Carried> carry(const EyeDepth& shown, std::uint32_t x, std::uint32_t y, const View& traced) {
+std::optional<ReprojectedPixel> reproject(const EyeDepth& shown, std::uint32_t x, std::uint32_t y,
+                                          const View& traced) {
   const double distance = shown.distance_m.at(x, y);
   if (!(distance > 0)) return std::nullopt;
   const Rigid<Eye, Eye> traced_from_shown = inverse(traced.stage_from_eye) * shown.view.stage_from_eye;
   const glm::dvec3 point = traced_from_shown(Point<Eye>{ray(shown.view, x + 0.5, y + 0.5) * distance}).v;
   if (point.z >= 0) return std::nullopt;
-  return Carried{point, ray_pixel(tangents_of(traced.fov), traced.size, point)};
+  return ReprojectedPixel{point, ray_pixel(tangents_of(traced.fov), traced.size, point)};
 }
 
 bool is_inside(const glm::dvec2& at, Extent size) {
@@ -66,9 +67,9 @@ bool is_inside(const glm::dvec2& at, Extent size) {
 }
 
 SameSurface same_surface(const EyeDepth& shown, std::uint32_t x, std::uint32_t y, const EyeDepth& traced) {
-  const std::optional<Carried> carried = carry(shown, x, y, traced.view);
-  if (!carried) return SameSurface::No;
-  const glm::dvec2 at = carried->at;
+  const std::optional<ReprojectedPixel> reprojected = reproject(shown, x, y, traced.view);
+  if (!reprojected) return SameSurface::No;
+  const glm::dvec2 at = reprojected->at;
   const bool near_border = is_near_border(at.x) || is_near_border(at.y);
   if (!is_inside(at, traced.view.size)) return near_border ? SameSurface::Unclear : SameSurface::No;
   if (near_border) return SameSurface::Unclear;
@@ -80,7 +81,7 @@ SameSurface same_surface(const EyeDepth& shown, std::uint32_t x, std::uint32_t y
   const Rigid<Eye, Eye> t = inverse(traced.view.stage_from_eye) * shown.view.stage_from_eye;
   const glm::dvec3 rm = t.rotation * *m;
   const double from_eye = 1 + glm::dot(rm, t.translation);
-  const double sine = from_eye / (glm::length(rm) * glm::length(carried->point));
+  const double sine = from_eye / (glm::length(rm) * glm::length(reprojected->point));
   if (sine < -kGrazing) return SameSurface::No;
   if (sine < kGrazing) return SameSurface::Unclear;
 
@@ -88,24 +89,24 @@ SameSurface same_surface(const EyeDepth& shown, std::uint32_t x, std::uint32_t y
   const double seen =
       inverse_distance(traced, static_cast<std::int64_t>(pixel.x), static_cast<std::int64_t>(pixel.y));
   const double expected = glm::dot(rm, ray(traced.view, pixel.x + 0.5, pixel.y + 0.5)) / from_eye;
-  const double of_point = -1 / carried->point.z;
+  const double of_point = -1 / reprojected->point.z;
   const double apart = std::abs(seen - expected),
                allowed = 0.5 * std::abs(expected - of_point) + footprint(traced.view) * of_point;
   if (apart * kClear < allowed) return SameSurface::Yes;
   return apart > kClear * allowed ? SameSurface::No : SameSurface::Unclear;
 }
 
-EyeMask carried_without_test(const EyeDepth& shown, const View& traced, const EyeMask& bits) {
+EyeMask reprojected_without_test(const EyeDepth& shown, const View& traced, const EyeMask& bits) {
   const Extent size = shown.view.size;
   EyeMask result(size, bits.lights());
   for (std::uint32_t y = 0; y < size.height; ++y)
     for (std::uint32_t x = 0; x < size.width; ++x) {
-      const std::optional<Carried> carried = carry(shown, x, y, traced);
-      const bool seen = carried && is_inside(carried->at, traced.size);
+      const std::optional<ReprojectedPixel> reprojected = reproject(shown, x, y, traced);
+      const bool seen = reprojected && is_inside(reprojected->at, traced.size);
       for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane)
         result.set_word(x, y, plane,
-                        seen ? bits.word(static_cast<std::uint32_t>(carried->at.x),
-                                         static_cast<std::uint32_t>(carried->at.y), plane)
+                        seen ? bits.word(static_cast<std::uint32_t>(reprojected->at.x),
+                                         static_cast<std::uint32_t>(reprojected->at.y), plane)
                              : bits.layout().used_bits(plane));
     }
   return result;

@@ -23,15 +23,15 @@ struct EyeDepth {
 };
 
 /// A shown surface point in the traced eye.
-struct Carried {
+struct ReprojectedPixel {
   glm::dvec3 point;
   glm::dvec2 at;  ///< traced pixel position
 };
 
 /// The surface point at the centre of shown pixel (x, y). Empty if the pixel is not covered, or if the point
 /// is not in front of the traced eye.
-[[nodiscard]] std::optional<Carried> carry(const EyeDepth& shown, std::uint32_t x, std::uint32_t y,
-                                           const View& traced);
+[[nodiscard]] std::optional<ReprojectedPixel> reproject(const EyeDepth& shown, std::uint32_t x,
+                                                        std::uint32_t y, const View& traced);
 
 /// Whether a pixel position is within a view of `size`.
 [[nodiscard]] bool is_inside(const glm::dvec2& at, Extent size);
@@ -51,6 +51,7 @@ enum class SameSurface : std::uint8_t {
 
 /// The mask of a reprojection without the same-surface test: each pixel has the bits of the traced pixel that
 /// contains its point, whatever was seen there, and all bits set if the point is outside of the traced view.
-[[nodiscard]] EyeMask carried_without_test(const EyeDepth& shown, const View& traced, const EyeMask& bits);
+[[nodiscard]] EyeMask reprojected_without_test(const EyeDepth& shown, const View& traced,
+                                               const EyeMask& bits);
 
 }  // namespace farshade

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t kReferenceSide_px = 192;
 
 /// Uses only the newest mask that was traced for this eye. Other points are unknown.
-constexpr CarryOver kOneView{.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
+constexpr Reprojection kOneView{.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
 
 /// The largest allowed error of the float positions. Measured: 7e-5 px.
 constexpr double kMostOff_px = 1e-3;
@@ -37,22 +37,22 @@ void compare_pixel(const EyeDepth& shown, const EyeDepth& traced, const ShownRep
   const auto x = static_cast<std::uint32_t>(i % shown.view.size.width),
              y = static_cast<std::uint32_t>(i / shown.view.size.width);
   const bool found = report.sources[i] == 0;
-  const std::optional<Carried> carried = carry(shown, x, y, traced.view);
+  const std::optional<ReprojectedPixel> reprojected = reproject(shown, x, y, traced.view);
   if (found) {
     const glm::dvec2 at(report.positions[i][0], report.positions[i][1]);
-    against.off_px.push_back(carried ? glm::length(carried->at - at) : HUGE_VAL);
+    against.off_px.push_back(reprojected ? glm::length(reprojected->at - at) : HUGE_VAL);
   }
   const SameSurface same = same_surface(shown, x, y, traced);
   against.same += same == SameSurface::Yes;
   against.other += same == SameSurface::No;
   against.refused += same == SameSurface::Yes && !found;
   against.accepted += same == SameSurface::No && found;
-  against.hidden += same == SameSurface::No && carried && is_inside(carried->at, traced.view.size);
+  against.hidden += same == SameSurface::No && reprojected && is_inside(reprojected->at, traced.view.size);
 }
 
 void compare(TestRig& rig, const PoseViews& views, Against& against) {
   const Mask mask = rig.ask(kTraced, views.traced);
-  const PerEye<Image<float>> traced = rig.asked_distance();
+  const PerEye<Image<float>> traced = rig.requested_distance();
   const Shown now = rig.show(views.shown, {mask.traced_mask()}, kOneView);
   const PerEye<Image<float>> shown = rig.renderer().read_distance();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {

@@ -40,7 +40,7 @@ class Reproject : public OnLavapipe {};
 
 /// Expects that every covered pixel has the bits of the same pixel of the mask.
 void expect_same_mask(TestRig& rig, const StereoView& views, const Mask& mask) {
-  const Shown shown = rig.show(views, {mask.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {mask.traced_mask()}, kPlainReprojection);
   std::size_t covered = 0, elsewhere = 0, changed = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++covered;
@@ -93,7 +93,7 @@ TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
   const Mask stale = rig.ask(kTraced, rig.eyes(rig.head()));
   const StereoView now = rig.eyes(moved(rig.head(), move.yaw_degrees * kDegree, move.step_m));
   const Outcome outcome =
-      outcome_of(rig.show(now, {stale.traced_mask()}, kPlainCarryOver), rig.trace(kNow, now));
+      outcome_of(rig.show(now, {stale.traced_mask()}, kPlainReprojection), rig.trace(kNow, now));
   RecordProperty("wrong", std::to_string(outcome.wrong));
   RecordProperty("unknown", std::to_string(outcome.unknown));
   EXPECT_LE(outcome.wrong, move.most_wrong);
@@ -124,14 +124,14 @@ TEST_P(ReprojectTiles, ThatNeverArrivedStayUnknown) {
   const TileGrid grid{views[0].size};
   Mask holed = with_noise(rig.ask(kTraced, views), 1);
   for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-    holed.known_tiles[0][tile] = tile % 3 != 0;
-    holed.known_tiles[1][tile] = tile % 2 == 0;
+    holed.received_tiles[0][tile] = tile % 3 != 0;
+    holed.received_tiles[1][tile] = tile % 2 == 0;
   }
   const auto known = [&](Side side, std::uint32_t x, std::uint32_t y) {
-    return holed.known_tiles[index_of(side)][y / kTileSide_px * grid.columns() + x / kTileSide_px] != 0;
+    return holed.received_tiles[index_of(side)][y / kTileSide_px * grid.columns() + x / kTileSide_px] != 0;
   };
   std::size_t unknown = 0, disagreeing = 0;
-  for_covered(rig.show(views, {holed.traced_mask()}, kPlainCarryOver),
+  for_covered(rig.show(views, {holed.traced_mask()}, kPlainReprojection),
               [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
                 unknown += source == kSourceUnknown;
                 disagreeing += source != (known(side, x, y) ? 0 : kSourceUnknown);
@@ -140,7 +140,7 @@ TEST_P(ReprojectTiles, ThatNeverArrivedStayUnknown) {
   EXPECT_EQ(disagreeing, 0u);
 
   const Mask older = with_noise(rig.ask(kOlder, views), 2);
-  const Shown shown = rig.show(views, {holed.traced_mask(), older.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {holed.traced_mask(), older.traced_mask()}, kPlainReprojection);
   std::size_t misread = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
@@ -162,11 +162,11 @@ TEST_F(Reproject, TakesTheNewestOfSeveralMasksThatKnowATile) {
   std::ranges::reverse(masks);
   // Bit `m` of the tile's number says whether mask `m` knows it: all 16 combinations occur.
   for (std::size_t m = 0; m < masks.size(); ++m)
-    for (KnownTiles& tiles : masks[m].known_tiles)
+    for (ReceivedTiles& tiles : masks[m].received_tiles)
       for (std::size_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = (tile >> m & 1u) != 0;
   std::vector<TracedMask> traced_masks;
   for (const Mask& mask : masks) traced_masks.push_back(mask.traced_mask());
-  const Shown shown = rig.show(views, traced_masks, kPlainCarryOver);
+  const Shown shown = rig.show(views, traced_masks, kPlainReprojection);
   std::array<std::size_t, 4> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -189,9 +189,9 @@ TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
   const auto turned = [&](double degrees) { return rig.eyes(moved(rig.head(), degrees * kDegree, {})); };
   const Mask older = with_noise(rig.ask(kOlder, turned(12)), 3),
              newest = with_noise(rig.ask(kTraced, turned(-8)), 4);
-  const Shown both = rig.show(turned(0), {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver),
-              first = rig.show(turned(0), {newest.traced_mask()}, kPlainCarryOver),
-              second = rig.show(turned(0), {older.traced_mask()}, kPlainCarryOver);
+  const Shown both = rig.show(turned(0), {newest.traced_mask(), older.traced_mask()}, kPlainReprojection),
+              first = rig.show(turned(0), {newest.traced_mask()}, kPlainReprojection),
+              second = rig.show(turned(0), {older.traced_mask()}, kPlainReprojection);
   std::array<std::size_t, 2> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(both, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -217,7 +217,7 @@ TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
   for (const double degrees : {90.0, 180.0}) {
     const Mask elsewhere =
         with_noise(rig.ask(kTraced, rig.eyes(moved(rig.head(), degrees * kDegree, {}))), 5);
-    const Shown shown = rig.show(rig.eyes(rig.head()), {elsewhere.traced_mask()}, kPlainCarryOver);
+    const Shown shown = rig.show(rig.eyes(rig.head()), {elsewhere.traced_mask()}, kPlainReprojection);
     std::size_t known = 0;
     for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
       known += source != kSourceUnknown;
@@ -254,7 +254,7 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
   TestRig rig(device_, sheet_between_walls(), 128);
   const Rigid<Stage, Head> front{{1, 0, 0, 0}, {0, 0, 1.2}}, back{{0, 0, 1, 0}, {0, 0, -1.2}};
   const Mask of_front = rig.ask(kTraced, rig.eyes(front));
-  const Shown from_back = rig.show(rig.eyes(back), {of_front.traced_mask()}, kPlainCarryOver);
+  const Shown from_back = rig.show(rig.eyes(back), {of_front.traced_mask()}, kPlainReprojection);
   const ShownReport& report = from_back.reports[0];
   EXPECT_EQ(report.sources[64 * 128 + 64], kSourceUnknown) << "the middle of the sheet's back";
   std::size_t known = 0;
@@ -286,7 +286,7 @@ TEST_F(Reproject, TakesSurfacesWithinTheToleranceForOne) {
     TestRig rig(device_, wall.scene(), kWide_px, 4, tested.detail_px);
     const Mask traced = rig.ask(kTraced, wall.views(0.3));
     std::size_t checked = 0, wrong = 0;
-    for_covered(rig.show(wall.views(0.7), {traced.traced_mask()}, kPlainCarryOver),
+    for_covered(rig.show(wall.views(0.7), {traced.traced_mask()}, kPlainReprojection),
                 [&](Side, std::uint32_t x, std::uint32_t, std::uint8_t source) {
                   if (x < kBeforeStep - 8 || x > kBeforeStep + 8) return;
                   ++checked;
@@ -304,7 +304,7 @@ TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
                    now = rig.eyes(rig.head());
   const auto known = [&](const std::vector<TracedMask>& masks) {
     std::size_t count = 0;
-    for_covered(rig.show(now, masks, kPlainCarryOver),
+    for_covered(rig.show(now, masks, kPlainReprojection),
                 [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
                   EXPECT_TRUE(source == 0 || source == kSourceUnknown) << "source " << int{source};
                   count += source == 0;
@@ -336,7 +336,7 @@ TEST_F(Reproject, HoldsFarFromTheOrigin) {
         head_looking(shift + glm::dvec3(0.5, 1.6, 2.5), shift + glm::dvec3(0, 0.4, 0));
     const Mask stale = rig.ask(kTraced, rig.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
     const StereoView now = rig.eyes(head);
-    const Shown shown = rig.show(now, {stale.traced_mask()}, kPlainCarryOver);
+    const Shown shown = rig.show(now, {stale.traced_mask()}, kPlainReprojection);
     return outcome_of(shown, rig.trace(kNow, now));
   };
   const Outcome near = show_at({0, 0, 0}), far = show_at({1e6, 0, -1e6});

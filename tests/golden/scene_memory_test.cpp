@@ -29,7 +29,7 @@ class SceneMemory : public OnLavapipe {
     Renderer renderer(device_, scene, kOneFrame);
     const View view = look({0, 0, 0}, {0, 0, -1}, kDrawnSize.width);
     const SceneState state = state_at(scene, Time{});
-    renderer.draw({.views = {view, view}, .state = state, .masks = {}, .carry_over = {}});
+    renderer.draw({.views = {view, view}, .state = state, .masks = {}, .reprojection = {}});
     const DrawCounters counters = renderer.counters();
     return {renderer.read_shown(), counters.memory.allocations - before, counters.vertex_bytes};
   }

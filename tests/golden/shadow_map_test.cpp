@@ -30,14 +30,14 @@ class ShadowMapRig {
   ShadowMapRig(const gpu::Device& device, Scene scene)
       : scene_(std::move(scene)),
         tracer_(Tracer::create_reference(scene_).value()),
-        renderer_(device, scene_, plan_for(scene_, {.carries_over = false, .all_lights = true}).draw,
+        renderer_(device, scene_, plan_for(scene_, {.reprojects = false, .all_lights = true}).draw,
                   {kSize, kSize, 1}) {}
 
   DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& settings) {
     return renderer_.draw({.views = eyes_of(head, kSide_px),
                            .state = state_,
                            .masks = {},
-                           .carry_over = {},
+                           .reprojection = {},
                            .report = PixelReport::On,
                            .shadow_maps = &settings});
   }
@@ -45,16 +45,16 @@ class ShadowMapRig {
   void show_traced(const Rigid<Stage, Head>& head) {
     const StereoView views = eyes_of(head, kSide_px);
     const PerEye<EyeMask> bits = traced(views);
-    const KnownTiles all(TileGrid{kSize}.count(), all_planes_known(bits[0].layout()));
-    const PerEye<KnownTiles> known{all, all};
+    const ReceivedTiles all(TileGrid{kSize}.count(), all_planes_received(bits[0].layout()));
+    const PerEye<ReceivedTiles> known{all, all};
     const std::vector<TracedMask> masks{{.frame = FrameId{++frames_},
                                          .display_time = {},
                                          .scene_time = state_.scene_time,
                                          .views = views,
                                          .masks = bits,
-                                         .known_tiles = known}};
+                                         .received_tiles = known}};
     renderer_.draw(
-        {.views = views, .state = state_, .masks = masks, .carry_over = {}, .report = PixelReport::On});
+        {.views = views, .state = state_, .masks = masks, .reprojection = {}, .report = PixelReport::On});
   }
 
   /// The errors of the picture that was shown last, from `head`.

@@ -67,10 +67,10 @@ TEST_F(Stale, DeformedFiguresAreWhereTheMaskSawThemAndAreCarriedBack) {
   const StereoView views = rig.eyes(head_looking({0.3, 1.5, 2.6}, {0, 0.8, 0}));
   rig.set_time(Time(620ms));
   const Mask traced = rig.ask(kTraced, views);
-  const Shown at_once = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown at_once = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   EXPECT_LT(unknown_share(at_once), 0.001);
   rig.set_time(Time(650ms));
-  const Shown later = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown later = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   std::size_t stale = 0;
   for (const std::uint32_t light : {0u, 1u}) stale += count_of(later, light).stale;
   EXPECT_GT(stale, 1000u) << "the figures are in view and move";
@@ -81,9 +81,9 @@ TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
   TestRig rig(device_, moving_light(), 128);
   const StereoView views = rig.eyes(kBefore);
   const Mask traced = with_noise(rig.ask(kTraced, views), 1);
-  const Shown still = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown still = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   rig.set_time(Time(200ms));
-  const Shown moved = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown moved = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   for (const std::uint32_t light : {0u, 1u, 2u}) {
     EXPECT_EQ(count_of(still, light).stale, 0u) << light;
     const PixelLights count = count_of(moved, light);
@@ -101,10 +101,10 @@ TEST_F(Stale, BitsOfAnOlderMaskAreShownAndMarked) {
   rig.set_time(Time(200ms));
   Mask newest = with_noise(rig.ask(kTraced, views), 3);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    for (std::size_t tile = 0; tile < newest.known_tiles[eye].size(); ++tile)
-      newest.known_tiles[eye][tile] = tile % 2;
+    for (std::size_t tile = 0; tile < newest.received_tiles[eye].size(); ++tile)
+      newest.received_tiles[eye][tile] = tile % 2;
   std::size_t from_older = 0, wrong = 0;
-  const Shown shown = rig.show(views, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {newest.traced_mask(), older.traced_mask()}, kPlainReprojection);
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const ShownReport& report = shown.reports[index_of(side)];
     const std::size_t pixel = std::size_t{y} * 128 + x;
@@ -137,7 +137,7 @@ TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
   const PerEye<Image<float>> then = distances();
   rig.set_time(Time(700ms + GetParam() * 1ms));
   const Mask truth = rig.trace(kNow, views);
-  const Shown shown = rig.show(views, {before.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {before.traced_mask()}, kPlainReprojection);
   const PerEye<Image<float>> now = rig.renderer().read_distance();
   std::size_t changed = 0, missed = 0, stale = 0, all = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -178,7 +178,7 @@ TEST_F(Stale, PointsOnMovingMeshesTakeTheBitsOfTheirOldPlaces) {
   const Mask traced = with_noise(rig.ask(kTraced, views), 5);
   rig.set_time(Time(300ms));
   const glm::dvec3 travelled(0.15, 0, 0);
-  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   const PerEye<Image<float>> distance = rig.renderer().read_distance();
   std::size_t on_box = 0, wrong_bits = 0, unflagged = 0, unknown = 0, moved_px = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -212,7 +212,7 @@ TEST_F(Stale, WallBehindAMovingBoxKeepsWhatNothingPassed) {
   const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
   const Mask traced = rig.ask(kTraced, views);
   rig.set_time(Time(300ms));
-  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   for (const std::uint32_t light : {0u, 1u}) {
     const PixelLights count = count_of(shown, light);
     EXPECT_GT(count.stale, count.all / 20) << light;
@@ -265,7 +265,7 @@ TEST_F(Stale, IsNothingOnAccountOfWhatMovesBeyondTheLight) {
   const StereoView views = rig.eyes(kBefore);
   const Mask traced = rig.ask(kTraced, views);
   rig.set_time(Time(300ms));
-  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainReprojection);
   EXPECT_EQ(count_of(shown, 0).stale, 0u) << "the box never stands between floor and point light";
   EXPECT_GT(count_of(shown, 1).stale, 50u) << "the box stands between floor and sun";
 }

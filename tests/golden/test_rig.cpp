@@ -131,9 +131,10 @@ TracedMask Mask::traced_mask() const {
   };
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     add(bits[eye].bytes().data(), bits[eye].bytes().size());
-    add(known_tiles[eye].data(), known_tiles[eye].size());
+    add(received_tiles[eye].data(), received_tiles[eye].size());
   }
-  return {frame, scene_time, scene_time, views, bits, known_tiles, content, light_set_revision, &asked};
+  return {frame,          scene_time, scene_time,         views,     bits,
+          received_tiles, content,    light_set_revision, &requested};
 }
 
 Mask with_noise(Mask mask, std::uint64_t seed) {
@@ -157,11 +158,12 @@ void for_pixels(Extent size, const std::function<void(std::uint32_t, std::uint32
     for (std::uint32_t x = 0; x < size.width; ++x) visit(x, y);
 }
 
-std::uint32_t asked_bits(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel) {
-  if (asked.tiles[eye].empty()) return ~0u;
+std::uint32_t requested_bits(const RequestedBlocks& requested, std::size_t eye, Extent size,
+                             glm::uvec2 pixel) {
+  if (requested.tiles[eye].empty()) return ~0u;
   const std::size_t tile = pixel.y / kTileSide_px * TileGrid{size}.columns() + pixel.x / kTileSide_px;
   const auto block = std::countr_zero(block_bit(pixel.x % kTileSide_px, pixel.y % kTileSide_px));
-  return asked.tiles[eye][tile].at(static_cast<std::uint32_t>(block)) * 0x01010101u;
+  return requested.tiles[eye][tile].at(static_cast<std::uint32_t>(block)) * 0x01010101u;
 }
 
 void for_covered(const Shown& shown, const Visit& visit) {
@@ -197,69 +199,71 @@ Mask TestRig::trace(FrameId frame, const StereoView& views) {
                   .views = views,
                   .lights = state_.light_changes},
                  traced);
-  const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(traced.masks[0].layout()));
+  const ReceivedTiles all(TileGrid{views[0].size}.count(), all_planes_received(traced.masks[0].layout()));
   return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision, {}};
 }
 
 Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   const FrameRequest request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
-  renderer_->keep_depth(request, frame.value % depth_frames_, asked_distance_);
+  renderer_->keep_depth(request, frame.value % depth_frames_, requested_distance_);
   return trace(frame, views);
 }
 
-std::optional<CarriedOver> TestRig::carry(FrameId frame, const StereoView& views, const Mask& base) {
+std::optional<RequestReprojection> TestRig::reproject_to_request(FrameId frame, const StereoView& views,
+                                                                 const Mask& base) {
   const Time now = state_.scene_time;
   const FrameRequest request{
       .frame = frame, .display_time = now, .scene_time = now, .views = views, .lights = state_.light_changes};
-  CarriedOver carried;
+  RequestReprojection reprojected;
   PerEye<HiddenArea> hidden;
   if (hidden_) hidden = hidden_in_request(*hidden_, views, views);
   const TracedMask mask = base.traced_mask();
-  if (!renderer_->carry(request, frame.value % depth_frames_, &mask, carried, &hidden)) return std::nullopt;
-  return carried;
+  if (!renderer_->reproject_to_request(request, frame.value % depth_frames_, &mask, reprojected, &hidden))
+    return std::nullopt;
+  return reprojected;
 }
 
 Mask TestRig::ask_for_unknown(FrameId frame, const StereoView& views, const Mask& base) {
-  CarriedOver carried = carry(frame, views, base).value();
+  RequestReprojection reprojected = reproject_to_request(frame, views, base).value();
   Mask mask = trace(frame, views);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
-      const std::uint32_t asked = asked_bits(carried.asked, eye, views[eye].size, {x, y});
+      const std::uint32_t requested = requested_bits(reprojected.requested, eye, views[eye].size, {x, y});
       for (std::uint32_t plane = 0; plane < mask.bits[eye].layout().planes(); ++plane)
-        mask.bits[eye].set_word(
-            x, y, plane,
-            (mask.bits[eye].word(x, y, plane) & asked) | (carried.masks[eye].word(x, y, plane) & ~asked));
+        mask.bits[eye].set_word(x, y, plane,
+                                (mask.bits[eye].word(x, y, plane) & requested) |
+                                    (reprojected.masks[eye].word(x, y, plane) & ~requested));
     });
-  mask.asked = std::move(carried.asked);
+  mask.requested = std::move(reprojected.requested);
   return mask;
 }
 
-std::vector<Mask> TestRig::ask_surround(Point<Stage> centre) {
+std::vector<Mask> TestRig::ask_cube_mask(Point<Stage> centre) {
   std::vector<Mask> masks;
   std::vector<FrameRequest> requests;
-  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair) {
-    const FrameId frame{kFirstSurroundFrame.value + narrow<std::uint32_t>(pair)};
+  for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair) {
+    const FrameId frame{kFirstCubeMaskFrame.value + narrow<std::uint32_t>(pair)};
     const StereoView faces = faces_about(centre, pair, face_size({side_px_, side_px_}));
     requests.push_back(
         {.frame = frame, .display_time = state_.scene_time, .scene_time = state_.scene_time, .views = faces});
     masks.push_back(trace(frame, faces));
   }
-  std::vector<FaceRequest> asked;
-  for (const FrameRequest& request : requests) asked.push_back({request, pair_of(request.frame)});
+  std::vector<FaceRequest> requested;
+  for (const FrameRequest& request : requests) requested.push_back({request, pair_of(request.frame)});
   const StereoView views = eyes(head());
   ShownFrame frame = shown_frame(views, {}, {});
-  frame.faces = asked;
+  frame.faces = requested;
   renderer_->draw(frame);
   return masks;
 }
 
 Shown TestRig::show(const StereoView& views, const std::vector<TracedMask>& masks,
-                    const CarryOver& carry_over, const std::vector<Mask>& surround) {
+                    const Reprojection& reprojection, const std::vector<Mask>& cube_mask) {
   std::vector<TracedMask> faces;
-  for (const Mask& pair : surround) faces.push_back(pair.traced_mask());
-  ShownFrame frame = shown_frame(views, masks, carry_over);
-  frame.surround = faces;
+  for (const Mask& pair : cube_mask) faces.push_back(pair.traced_mask());
+  ShownFrame frame = shown_frame(views, masks, reprojection);
+  frame.cube_mask = faces;
   renderer_->draw(frame);
   return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
 }
@@ -270,11 +274,11 @@ PerEye<Image<Rgb8>> TestRig::show_reference(const StereoView& views) {
 }
 
 ShownFrame TestRig::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
-                                const CarryOver& carry_over) const {
+                                const Reprojection& reprojection) const {
   return {.views = views,
           .state = state_,
           .masks = masks,
-          .carry_over = carry_over,
+          .reprojection = reprojection,
           .report = PixelReport::On,
           .hidden = hidden_ ? &*hidden_ : nullptr};
 }

@@ -68,9 +68,9 @@ struct Mask {
   Time scene_time;
   StereoView views;
   PerEye<EyeMask> bits;
-  PerEye<KnownTiles> known_tiles;
+  PerEye<ReceivedTiles> received_tiles;
   LightSetRevision light_set_revision = kFirstLightSet;
-  AskedBlocks asked{};  ///< the others were carried over
+  RequestedBlocks requested{};  ///< the others were reprojected
 
   /// The result refers to this mask.
   [[nodiscard]] TracedMask traced_mask() const;
@@ -83,7 +83,7 @@ inline constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
 [[nodiscard]] Mask with_noise(Mask mask, std::uint64_t seed);
 
 /// The simplest reprojection: the nearest pixel of this eye's masks that saw the same surface.
-inline constexpr CarryOver kPlainCarryOver{
+inline constexpr Reprojection kPlainReprojection{
     .lookup = Lookup::Reproject, .eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
 
 struct Shown {
@@ -96,8 +96,8 @@ struct Shown {
 void for_pixels(Extent size, const std::function<void(std::uint32_t x, std::uint32_t y)>& visit);
 
 /// The bits of a mask word that are asked for at `pixel` of views of `size`.
-[[nodiscard]] std::uint32_t asked_bits(const AskedBlocks& asked, std::size_t eye, Extent size,
-                                       glm::uvec2 pixel);
+[[nodiscard]] std::uint32_t requested_bits(const RequestedBlocks& requested, std::size_t eye, Extent size,
+                                           glm::uvec2 pixel);
 
 /// Calls `visit` for every covered pixel of both eyes.
 using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
@@ -119,24 +119,27 @@ class TestRig {
   [[nodiscard]] Mask trace(FrameId frame, const StereoView& views);
   /// The same, and the depth ring keeps the views' depth.
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
-  /// `base` carried over to `views`, at the time and with the lights of the rig. No value: whole views must
+  /// `base` reprojected to `views`, at the time and with the lights of the rig. No value: whole views must
   /// be traced.
-  [[nodiscard]] std::optional<CarriedOver> carry(FrameId frame, const StereoView& views, const Mask& base);
+  [[nodiscard]] std::optional<RequestReprojection> reproject_to_request(FrameId frame,
+                                                                        const StereoView& views,
+                                                                        const Mask& base);
   /// The same as `ask`, but only the blocks that `base` leaves unknown are traced.
   [[nodiscard]] Mask ask_for_unknown(FrameId frame, const StereoView& views, const Mask& base);
   /// Metres along -z of the views of the last `ask`; 0 for uncovered pixels.
-  [[nodiscard]] const PerEye<Image<float>>& asked_distance() const { return asked_distance_; }
+  [[nodiscard]] const PerEye<Image<float>>& requested_distance() const { return requested_distance_; }
 
-  /// The masks of the surround about `centre`, traced at the time of the rig. The renderer keeps their depth.
-  [[nodiscard]] std::vector<Mask> ask_surround(Point<Stage> centre);
+  /// The masks of the cube's faces about `centre`, traced at the time of the rig. The renderer keeps their
+  /// depth.
+  [[nodiscard]] std::vector<Mask> ask_cube_mask(Point<Stage> centre);
 
-  /// Draws `views` with `masks`, newest first, and those of the surround, without a request.
+  /// Draws `views` with `masks`, newest first, and those of the cube mask, without a request.
   [[nodiscard]] Shown show(const StereoView& views, const std::vector<TracedMask>& masks,
-                           const CarryOver& carry_over = {}, const std::vector<Mask>& surround = {});
+                           const Reprojection& reprojection = {}, const std::vector<Mask>& cube_mask = {});
   /// Draws `views` with shadows traced at these views.
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
 
-  /// Sets what the lenses hide of shown views. In views that a mask is carried over to it is less.
+  /// Sets what the lenses hide of shown views. In views that a mask is reprojected to it is less.
   void hide(PerEye<HiddenArea> hidden) { hidden_ = std::move(hidden); }
   /// Sets the time of the scene.
   void set_time(Time scene_time) { state_ = state_at(scene_, scene_time, state_.light_changes); }
@@ -145,14 +148,14 @@ class TestRig {
 
  private:
   [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const TracedMask> masks,
-                                       const CarryOver& carry_over) const;
+                                       const Reprojection& reprojection) const;
 
   Scene scene_;
   SceneState state_;
   std::uint32_t side_px_, depth_frames_;
   std::unique_ptr<Tracer> tracer_;
   std::unique_ptr<Renderer> renderer_;
-  PerEye<Image<float>> asked_distance_;
+  PerEye<Image<float>> requested_distance_;
   std::optional<PerEye<HiddenArea>> hidden_;
 };
 

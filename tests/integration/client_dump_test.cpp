@@ -189,12 +189,12 @@ TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
 }
 
 /// The share of covered pixels that show the bits of the traced pixel with the same surface.
-struct CarriedOver {
+struct ReprojectionCount {
   int common = 0, equal = 0, equal_in_place = 0;
 };
 
-CarriedOver carried_over(const DumpedEye& eye, const View& shown, const View& traced) {
-  CarriedOver count;
+ReprojectionCount reprojected(const DumpedEye& eye, const View& shown, const View& traced) {
+  ReprojectionCount count;
   for (std::uint32_t y = 0; y < kClientSize.height; ++y)
     for (std::uint32_t x = 0; x < kClientSize.width; ++x) {
       if (eye.distance.at(x, y) <= 0) continue;
@@ -211,7 +211,7 @@ CarriedOver carried_over(const DumpedEye& eye, const View& shown, const View& tr
 /// many at this size, it is filtered between pixels.
 TEST_F(ClientDump, ShownMaskIsTheReprojectedTracedMask) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
+    const ReprojectionCount count = reprojected(eyes_[eye], shown_[eye], traced_[eye]);
     EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
     EXPECT_GE(count.equal, count.equal_in_place) << "eye " << eye;
   }
@@ -219,7 +219,7 @@ TEST_F(ClientDump, ShownMaskIsTheReprojectedTracedMask) {
 
 TEST_F(PredictedClientDump, ShownMaskIsTheReprojectedTracedMask) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
+    const ReprojectionCount count = reprojected(eyes_[eye], shown_[eye], traced_[eye]);
     EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
     EXPECT_GT(count.equal, count.equal_in_place * 1.05)
         << "eye " << eye << ": the guard band is no part of it";

@@ -58,7 +58,7 @@ TEST(ClientModes, BlocksOfMasksShowTheSamePicturesAsSlices) {
   const ScratchFolder range, lz4;
   std::vector<std::vector<double>> rows;
   for (const auto& [code, folder] : {std::pair("range", &range), std::pair("lz4", &lz4)}) {
-    // Without reprojection there is no surround, which blocks go without.
+    // Without reprojection there is no cube mask, which blocks go without.
     const Ended run = run_client({{"--server", server.address()},
                                   {"--mask-code", code},
                                   {"--ask", "whole"},

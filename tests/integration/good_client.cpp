@@ -28,7 +28,8 @@ StereoView views_at(std::uint32_t pose, Extent size) {
 
 Walker::Walker(DatagramPort& port, const LinkTarget& target, Extent size)
     : link_(port, clock_, target, Assembler::kKept + 1), size_(size) {
-  if (const auto met = link_.meet(kPatience); !met) throw std::runtime_error(met.error().what);
+  if (const auto connected = link_.connect(kPatience); !connected)
+    throw std::runtime_error(connected.error().what);
 }
 
 std::optional<PerEye<EyeMask>> Walker::next_masks(Duration patience) {
@@ -36,7 +37,7 @@ std::optional<PerEye<EyeMask>> Walker::next_masks(Duration patience) {
   const Time shown(Duration(std::chrono::milliseconds(14)) * frame_.value);
   link_.request({frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses, size_)}, shown);
   if (!link_.wait_for(frame_, patience)) return std::nullopt;
-  return link_.inbox().find(frame_)->masks;
+  return link_.receiver().find(frame_)->masks;
 }
 
 LinkTarget target_of(const Peer& server, const SharedKey& key, const std::string& scene) {

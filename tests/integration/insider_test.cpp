@@ -71,18 +71,18 @@ class Insider : public testing::Test {
     const SteadyClock clock;
     Time second = clock.now();
     for (const Time until = clock.now() + span; clock.now() < until && !HasFailure(); ++pose_) {
-      const Time asked = clock.now();
+      const Time requested = clock.now();
       const auto masks = good_->next_masks(kPatience);
       if (masks) {
         EXPECT_EQ(*masks, undisturbed_[pose_ % Walker::kPoses]) << "pose " << pose_;
       }
-      add(masks ? ms_of(clock.now() - asked) : ms_of(kPatience));
+      add(masks ? ms_of(clock.now() - requested) : ms_of(kPatience));
       if (clock.now() >= second + 1s) {
         second = clock.now();
         each_second();
       }
       std::this_thread::sleep_until(std::chrono::steady_clock::now() +
-                                    std::max(Duration{}, asked + kInterval - clock.now()));
+                                    std::max(Duration{}, requested + kInterval - clock.now()));
     }
   }
 

@@ -59,7 +59,7 @@ void InsiderAttack::run(const std::atomic<bool>& over) {
 void InsiderAttack::join(Socket& socket) {
   socket.client.emplace(*socket.port, server_, key_, served_);
   socket.counter = 0;
-  socket.client->meet(kPatience);
+  socket.client->connect(kPatience);
   ++sent_;
 }
 

@@ -31,9 +31,9 @@ class InsiderAttack {
   static constexpr std::size_t kPlays = 11;
   /// In the order in which they are played; after the last comes the first.
   static constexpr std::array<std::string_view, kPlays> kNames{
-      "sessions begun anew",   "known tiles again", "sizes and bit rates",   "counters that jump",
-      "a flood at the client", "nothing reported",  "memory held",           "arrivals made up",
-      "the largest views",     "fields that jump",  "answers that take long"};
+      "sessions begun anew",   "received tiles again", "sizes and bit rates",   "counters that jump",
+      "a flood at the client", "nothing reported",     "memory held",           "arrivals made up",
+      "the largest views",     "fields that jump",     "answers that take long"};
 
  private:
   /// Datagrams before the attacker waits until the server has handled them: more would overflow the server's

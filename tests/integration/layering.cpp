@@ -16,56 +16,56 @@ bool is_below(std::string_view path, std::string_view folder) {
   return path.starts_with(folder) && (path.size() == folder.size() || path[folder.size()] == '/');
 }
 
-/// The room whose folder holds the file itself. A new subfolder needs a room of its own.
-const Room* room_of(const House& house, std::string_view path) {
+/// The layer whose folder holds the file itself. A new subfolder needs a layer of its own.
+const Layer* layer_of(const Layering& layering, std::string_view path) {
   const std::string_view folder = path.substr(0, std::min(path.rfind('/'), path.size()));
-  const auto at = std::ranges::find(house.rooms, folder, &Room::folder);
-  return at == house.rooms.end() ? nullptr : &*at;
+  const auto at = std::ranges::find(layering.layers, folder, &Layer::folder);
+  return at == layering.layers.end() ? nullptr : &*at;
 }
 
-/// All folders that `room` may include. It contains `room` itself only if the permissions form a cycle.
-std::set<std::string_view> allowed_for(const House& house, const Room& room) {
+/// All folders that `layer` may include. It contains `layer` itself only if the permissions form a cycle.
+std::set<std::string_view> allowed_for(const Layering& layering, const Layer& layer) {
   std::set<std::string_view> allowed;
-  const std::function<void(const Room&)> visit = [&](const Room& from) {
+  const std::function<void(const Layer&)> visit = [&](const Layer& from) {
     for (const std::string_view folder : from.sees)
       if (allowed.insert(folder).second)
-        for (const Room& next : house.rooms)
+        for (const Layer& next : layering.layers)
           if (next.folder == folder) visit(next);
   };
-  visit(room);
+  visit(layer);
   return allowed;
 }
 
-void find_room_cycles(const House& house, Faults& found) {
-  for (const Room& room : house.rooms)
-    if (allowed_for(house, room).contains(room.folder))
-      found.push_back(std::string(room.folder) + " may include itself through a cycle");
+void find_layer_cycles(const Layering& layering, Faults& found) {
+  for (const Layer& layer : layering.layers)
+    if (allowed_for(layering, layer).contains(layer.folder))
+      found.push_back(std::string(layer.folder) + " may include itself through a cycle");
 }
 
-void find_forbidden_includes(const House& house, const SourceFile& file, Faults& found) {
-  const Room* room = room_of(house, file.path);
-  if (!room) {
-    found.push_back(file.path + " is in no room");
+void find_forbidden_includes(const Layering& layering, const SourceFile& file, Faults& found) {
+  const Layer* layer = layer_of(layering, file.path);
+  if (!layer) {
+    found.push_back(file.path + " is in no layer");
     return;
   }
-  const auto allowed = allowed_for(house, *room);
+  const auto allowed = allowed_for(layering, *layer);
   for (const std::string& include : file.ours) {
-    const Room* const target = room_of(house, include);
-    if (!target && !is_below(include, house.guests))
+    const Layer* const target = layer_of(layering, include);
+    if (!target && !is_below(include, layering.unrestricted))
       found.push_back(file.path + " includes \"" + include + "\", which is no path from the root");
-    else if (target != room && !(target && allowed.contains(target->folder)))
-      found.push_back(file.path + " includes \"" + include + "\", which " + std::string(room->folder) +
+    else if (target != layer && !(target && allowed.contains(target->folder)))
+      found.push_back(file.path + " includes \"" + include + "\", which " + std::string(layer->folder) +
                       " may not include");
   }
 }
 
-void check_library_place(const House& house, const Library& library, const std::vector<SourceFile>& tree,
-                         Faults& found) {
+void check_library_place(const Layering& layering, const Library& library,
+                         const std::vector<SourceFile>& tree, Faults& found) {
   std::vector<std::string> users;
   for (const SourceFile& file : tree) {
     const bool names =
         std::ranges::any_of(file.theirs, [&](auto& i) { return i.starts_with(library.prefix); });
-    if (!names || is_below(file.path, house.guests)) continue;
+    if (!names || is_below(file.path, layering.unrestricted)) continue;
     users.push_back(file.path);
     if (!is_below(file.path, library.folder))
       found.push_back(file.path + " names <" + std::string(library.prefix) + ">, which belongs to " +
@@ -124,9 +124,9 @@ SourceFile read_includes(const fs::path& path, std::string from_root) {
 
 }  // namespace
 
-std::vector<SourceFile> read_tree(const fs::path& root, const House& house) {
-  std::set<fs::path> tops{fs::path(house.guests)};
-  for (const Room& room : house.rooms) tops.insert(*fs::path(room.folder).begin());
+std::vector<SourceFile> read_tree(const fs::path& root, const Layering& layering) {
+  std::set<fs::path> tops{fs::path(layering.unrestricted)};
+  for (const Layer& layer : layering.layers) tops.insert(*fs::path(layer.folder).begin());
   std::vector<SourceFile> tree;
   for (const fs::path& top : tops)
     for (const auto& entry : fs::recursive_directory_iterator(root / top))
@@ -135,12 +135,12 @@ std::vector<SourceFile> read_tree(const fs::path& root, const House& house) {
   return tree;
 }
 
-std::vector<std::string> faults(const House& house, const std::vector<SourceFile>& tree) {
+std::vector<std::string> faults(const Layering& layering, const std::vector<SourceFile>& tree) {
   Faults found;
-  find_room_cycles(house, found);
+  find_layer_cycles(layering, found);
   for (const SourceFile& file : tree)
-    if (!is_below(file.path, house.guests)) find_forbidden_includes(house, file, found);
-  for (const Library& library : house.libraries) check_library_place(house, library, tree, found);
+    if (!is_below(file.path, layering.unrestricted)) find_forbidden_includes(layering, file, found);
+  for (const Library& library : layering.libraries) check_library_place(layering, library, tree, found);
   find_include_cycles(tree, found);
   return found;
 }

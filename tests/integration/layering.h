@@ -18,7 +18,7 @@ struct SourceFile {
 
 /// A folder and the folders that it may include. Permission is transitive: a folder may also include what
 /// those folders may include. It may always include itself.
-struct Room {
+struct Layer {
   std::string_view folder;
   std::vector<std::string_view> sees;
 };
@@ -29,16 +29,16 @@ struct Library {
   std::size_t files;
 };
 
-struct House {
-  std::vector<Room> rooms;
+struct Layering {
+  std::vector<Layer> layers;
   std::vector<Library> libraries;
-  std::string_view guests;  ///< a folder whose files may include anything
+  std::string_view unrestricted;  ///< a folder whose files may include anything
 };
 
-/// All .h and .cpp files below the rooms' folders.
-[[nodiscard]] std::vector<SourceFile> read_tree(const std::filesystem::path& root, const House& house);
+/// All .h and .cpp files below the layers' folders.
+[[nodiscard]] std::vector<SourceFile> read_tree(const std::filesystem::path& root, const Layering& layering);
 
 /// One sentence for each broken rule; empty if the tree keeps all of them.
-[[nodiscard]] std::vector<std::string> faults(const House& house, const std::vector<SourceFile>& tree);
+[[nodiscard]] std::vector<std::string> faults(const Layering& layering, const std::vector<SourceFile>& tree);
 
 }  // namespace farshade

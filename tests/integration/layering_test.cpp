@@ -35,71 +35,71 @@ std::vector<Library> libraries() {
 
 /// The intended layering: base <- math <- frame <- wire <- net, the other folders of stereo/ beside them, and
 /// both programs on top. Neither program includes the other.
-const House& house() {
-  static const House house{
-      .rooms = {{"stereo/base", {}},
-                {"stereo/math", {"stereo/base"}},
-                {"stereo/frame", {"stereo/math"}},
-                {"stereo/wire", {"stereo/frame"}},
-                {"stereo/net", {"stereo/wire"}},
-                {"stereo/pair", {"stereo/net"}},
-                {"stereo/announce", {"stereo/net"}},
-                {"stereo/fetch", {"stereo/net", "stereo/scene"}},
-                {"stereo/image", {"stereo/base"}},
-                {"stereo/metrics", {"stereo/frame", "stereo/image"}},
-                {"stereo/head", {"stereo/frame"}},
-                {"stereo/scene", {"stereo/image", "stereo/frame"}},
-                {"stereo/plan", {"stereo/scene", "stereo/frame"}},
-                {"stereo/tracer", {"stereo/plan"}},
-                {"stereo/placement", {"stereo/head", "stereo/tracer"}},
-                {"stereo/exposure", {"stereo/placement"}},
-                {"stereo/gpu", {"stereo/frame", "stereo/image"}},
-                {"stereo/detail", {"stereo/scene", "stereo/frame"}},
-                {"stereo/draw", {"stereo/gpu", "stereo/plan", "stereo/detail", "shaders"}},
-                {"stereo/video", {"stereo/frame", "stereo/image"}},
-                {"stereo/doctor", {"stereo/net", "stereo/scene"}},
-                {"stereo/about", {}},
-                {"shaders", {}},
-                {"rt_server/core", {"stereo/net", "stereo/tracer"}},
-                {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
-                {"rt_server/commands",
-                 {"stereo/announce", "stereo/doctor", "stereo/exposure", "stereo/pair"}},
-                {"rt_server/fetch", {"stereo/fetch"}},
-                {"rt_server/keys", {"rt_server/core", "rt_server/fetch"}},
-                {"rt_server",
-                 {"rt_server/answers", "rt_server/commands", "rt_server/keys", "stereo/about",
-                  "stereo/exposure"}},
-                {"vr_client/ask", {"stereo/head"}},
-                {"vr_client/link", {"stereo/net"}},
-                {"vr_client/runtime", {"stereo/head"}},
-                {"vr_client/openxr", {"vr_client/runtime", "stereo/gpu"}},
-                {"vr_client/fetch", {"stereo/fetch"}},
-                {"vr_client/pair", {"stereo/pair"}},
-                {"vr_client/doctor", {"stereo/announce", "stereo/doctor", "stereo/gpu", "vr_client/fetch"}},
-                {"vr_client/frame",
-                 {"vr_client/ask", "vr_client/link", "vr_client/runtime", "stereo/draw", "stereo/tracer"}},
-                {"vr_client/modes", {"vr_client/frame", "stereo/video"}},
-                {"vr_client/report", {"vr_client/frame", "stereo/metrics"}},
-                {"vr_client/record", {"vr_client/frame"}},
-                {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
-                {"vr_client",
-                 {"vr_client/modes", "vr_client/preview", "vr_client/openxr", "vr_client/doctor",
-                  "vr_client/pair", "stereo/exposure", "stereo/about"}}},
+const Layering& layering() {
+  static const Layering layering{
+      .layers = {{"stereo/base", {}},
+                 {"stereo/math", {"stereo/base"}},
+                 {"stereo/frame", {"stereo/math"}},
+                 {"stereo/wire", {"stereo/frame"}},
+                 {"stereo/net", {"stereo/wire"}},
+                 {"stereo/pair", {"stereo/net"}},
+                 {"stereo/announce", {"stereo/net"}},
+                 {"stereo/fetch", {"stereo/net", "stereo/scene"}},
+                 {"stereo/image", {"stereo/base"}},
+                 {"stereo/metrics", {"stereo/frame", "stereo/image"}},
+                 {"stereo/head", {"stereo/frame"}},
+                 {"stereo/scene", {"stereo/image", "stereo/frame"}},
+                 {"stereo/plan", {"stereo/scene", "stereo/frame"}},
+                 {"stereo/tracer", {"stereo/plan"}},
+                 {"stereo/placement", {"stereo/head", "stereo/tracer"}},
+                 {"stereo/exposure", {"stereo/placement"}},
+                 {"stereo/gpu", {"stereo/frame", "stereo/image"}},
+                 {"stereo/lod", {"stereo/scene", "stereo/frame"}},
+                 {"stereo/draw", {"stereo/gpu", "stereo/plan", "stereo/lod", "shaders"}},
+                 {"stereo/video", {"stereo/frame", "stereo/image"}},
+                 {"stereo/doctor", {"stereo/net", "stereo/scene"}},
+                 {"stereo/about", {}},
+                 {"shaders", {}},
+                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
+                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
+                 {"rt_server/commands",
+                  {"stereo/announce", "stereo/doctor", "stereo/exposure", "stereo/pair"}},
+                 {"rt_server/fetch", {"stereo/fetch"}},
+                 {"rt_server/keys", {"rt_server/core", "rt_server/fetch"}},
+                 {"rt_server",
+                  {"rt_server/answers", "rt_server/commands", "rt_server/keys", "stereo/about",
+                   "stereo/exposure"}},
+                 {"vr_client/ask", {"stereo/head"}},
+                 {"vr_client/link", {"stereo/net"}},
+                 {"vr_client/runtime", {"stereo/head"}},
+                 {"vr_client/openxr", {"vr_client/runtime", "stereo/gpu"}},
+                 {"vr_client/fetch", {"stereo/fetch"}},
+                 {"vr_client/pair", {"stereo/pair"}},
+                 {"vr_client/doctor", {"stereo/announce", "stereo/doctor", "stereo/gpu", "vr_client/fetch"}},
+                 {"vr_client/frame",
+                  {"vr_client/ask", "vr_client/link", "vr_client/runtime", "stereo/draw", "stereo/tracer"}},
+                 {"vr_client/modes", {"vr_client/frame", "stereo/video"}},
+                 {"vr_client/report", {"vr_client/frame", "stereo/metrics"}},
+                 {"vr_client/record", {"vr_client/frame"}},
+                 {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
+                 {"vr_client",
+                  {"vr_client/modes", "vr_client/preview", "vr_client/openxr", "vr_client/doctor",
+                   "vr_client/pair", "stereo/exposure", "stereo/about"}}},
       .libraries = libraries(),
-      .guests = "tests"};
-  return house;
+      .unrestricted = "tests"};
+  return layering;
 }
 
 TEST(Layering, HoldsInThisTree) {
-  const auto tree = read_tree(FARSHADE_SOURCE, house());
+  const auto tree = read_tree(FARSHADE_SOURCE, layering());
   EXPECT_GT(tree.size(), 50u);
-  for (const std::string& fault : faults(house(), tree)) ADD_FAILURE() << fault;
+  for (const std::string& fault : faults(layering(), tree)) ADD_FAILURE() << fault;
 }
 
 TEST(Layering, EveryProgramFolderDeclaresTheLibrariesThatItIncludes) {
   const auto libraries = read_libraries(FARSHADE_SOURCE, {"stereo", "rt_server", "vr_client"});
   EXPECT_GT(libraries.size(), 25u);
-  const auto tree = read_tree(FARSHADE_SOURCE, house());
+  const auto tree = read_tree(FARSHADE_SOURCE, layering());
   for (const std::string& fault : undeclared(libraries, tree, {"rt_server", "vr_client"}))
     ADD_FAILURE() << fault;
 }
@@ -109,13 +109,13 @@ TEST(Layering, EveryProgramFolderDeclaresTheLibrariesThatItIncludes) {
 using Tree = std::vector<SourceFile>;
 
 std::string only_fault(const Tree& tree) {
-  const auto found = faults(house(), tree);
+  const auto found = faults(layering(), tree);
   EXPECT_EQ(found.size(), 1u);
   return found.empty() ? "" : found.front();
 }
 
 TEST(LayeringChecker, ReadsBothKindsOfInclude) {
-  const auto tree = read_tree(FARSHADE_SOURCE, house());
+  const auto tree = read_tree(FARSHADE_SOURCE, layering());
   const auto checker = std::ranges::find(tree, "tests/integration/layering.cpp", &SourceFile::path);
   ASSERT_NE(checker, tree.end());
   EXPECT_EQ(checker->ours, (std::vector<std::string>{"tests/integration/layering.h"}));
@@ -124,11 +124,11 @@ TEST(LayeringChecker, ReadsBothKindsOfInclude) {
 }
 
 TEST(LayeringChecker, AcceptsIndirectPermission) {
-  EXPECT_TRUE(
-      faults(house(), {{"stereo/net/a.cpp", {"stereo/base/b.h", "stereo/net/a.h"}, {"asio/ip/udp.hpp"}},
-                       {"vr_client/a.cpp", {"stereo/tracer/b.h", "shaders/c.h", "vr_client/modes/d.h"}, {}},
-                       {"tests/unit/a.cpp", {"tests/b.h", "rt_server/c.h"}, {"asio.hpp", "png.h"}}})
-          .empty());
+  EXPECT_TRUE(faults(layering(),
+                     {{"stereo/net/a.cpp", {"stereo/base/b.h", "stereo/net/a.h"}, {"asio/ip/udp.hpp"}},
+                      {"vr_client/a.cpp", {"stereo/tracer/b.h", "shaders/c.h", "vr_client/modes/d.h"}, {}},
+                      {"tests/unit/a.cpp", {"tests/b.h", "rt_server/c.h"}, {"asio.hpp", "png.h"}}})
+                  .empty());
 }
 
 TEST(LayeringChecker, RefusesIncludesUpAndAcross) {
@@ -144,9 +144,9 @@ TEST(LayeringChecker, RefusesIncludesUpAndAcross) {
 TEST(LayeringChecker, RefusesPathsThatAreNotFromTheRoot) {
   EXPECT_NE(only_fault({{"stereo/math/a.cpp", {"a.h"}, {}}}).find("no path from the root"),
             std::string::npos);
-  EXPECT_EQ(only_fault({{"stereo/attic/a.cpp", {}, {}}}), "stereo/attic/a.cpp is in no room");
-  EXPECT_EQ(only_fault({{"stereo/mathematics/a.cpp", {}, {}}}), "stereo/mathematics/a.cpp is in no room");
-  EXPECT_EQ(only_fault({{"vr_client/attic/a.cpp", {}, {}}}), "vr_client/attic/a.cpp is in no room");
+  EXPECT_EQ(only_fault({{"stereo/attic/a.cpp", {}, {}}}), "stereo/attic/a.cpp is in no layer");
+  EXPECT_EQ(only_fault({{"stereo/mathematics/a.cpp", {}, {}}}), "stereo/mathematics/a.cpp is in no layer");
+  EXPECT_EQ(only_fault({{"vr_client/attic/a.cpp", {}, {}}}), "vr_client/attic/a.cpp is in no layer");
 }
 
 TEST(LayeringChecker, RefusesLibrariesElsewhereOrTwice) {
@@ -160,8 +160,8 @@ TEST(LayeringChecker, RefusesCycles) {
   EXPECT_EQ(only_fault(
                 {{"stereo/math/a.h", {"stereo/math/b.h"}, {}}, {"stereo/math/b.h", {"stereo/math/a.h"}, {}}}),
             "stereo/math/b.h closes a cycle with stereo/math/a.h");
-  const House circular{
-      .rooms = {{"a", {"b"}}, {"b", {"c"}}, {"c", {"a"}}}, .libraries = {}, .guests = "tests"};
+  const Layering circular{
+      .layers = {{"a", {"b"}}, {"b", {"c"}}, {"c", {"a"}}}, .libraries = {}, .unrestricted = "tests"};
   EXPECT_EQ(faults(circular, {}).size(), 3u);
 }
 
@@ -176,7 +176,7 @@ TEST(LayeringChecker, RefusesTheCyclesOfTheProgramsWhenTheyArePutBack) {
         Cycle{"rt_server/core", "rt_server/answers"}}) {
     SCOPED_TRACE(cycle.below);
     // In this tree, as one more include of a file that exists.
-    auto tree = read_tree(FARSHADE_SOURCE, house());
+    auto tree = read_tree(FARSHADE_SOURCE, layering());
     const auto file = std::ranges::find_if(tree, [&](const SourceFile& f) {
       return f.path.starts_with(std::string(cycle.below) + "/") && f.path.ends_with(".cpp");
     });
@@ -187,9 +187,9 @@ TEST(LayeringChecker, RefusesTheCyclesOfTheProgramsWhenTheyArePutBack) {
     file->ours.push_back(header->path);
     EXPECT_EQ(only_fault(tree), file->path + " includes \"" + header->path + "\", which " +
                                     std::string(cycle.below) + " may not include");
-    // Permission alone does not help: the rooms then form a cycle.
-    House permissive = house();
-    std::ranges::find(permissive.rooms, cycle.below, &Room::folder)->sees.push_back(cycle.above);
+    // Permission alone does not help: the layers then form a cycle.
+    Layering permissive = layering();
+    std::ranges::find(permissive.layers, cycle.below, &Layer::folder)->sees.push_back(cycle.above);
     const auto found = faults(permissive, tree);
     EXPECT_NE(std::ranges::find(found, std::string(cycle.below) + " may include itself through a cycle"),
               found.end());

@@ -108,13 +108,13 @@ TEST(ServerMemory, HoldsUnderALimitedAddressSpaceAndAGoodClientIsStillAnswered) 
   std::vector<std::unique_ptr<Client>> attackers;
   for (int i = 0; i < 40; ++i) {
     attackers.push_back(std::make_unique<Client>(*address, evil, served));
-    ASSERT_TRUE(attackers.back()->link.meet(kPatience)) << i;
+    ASSERT_TRUE(attackers.back()->link.connect(kPatience)) << i;
   }
   Client pacer(*address, test_keys().key, served);
   bring_positions(attackers, 3000, pacer, served);
   ASSERT_FALSE(HasFatalFailure());
   Client good(*address, test_keys().key, served);
-  ASSERT_TRUE(good.link.meet(kPatience));
+  ASSERT_TRUE(good.link.connect(kPatience));
   std::uint32_t complete = 0;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
     good.link.say(good.link.ask(request_of(frame, {64, 64})));

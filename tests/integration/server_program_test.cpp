@@ -225,7 +225,7 @@ bool admits(const SharedKey& key, const std::string& address) {
   LinkTarget target{client->server, key, hash, {2}};
   const SteadyClock clock;
   NetworkLink link(*client->port, clock, target, Assembler::kKept + 2);
-  return link.meet(std::chrono::seconds(1)).has_value();
+  return link.connect(std::chrono::seconds(1)).has_value();
 }
 
 /// Tries for so long that the slowest machine has looked at its ring.

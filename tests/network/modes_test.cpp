@@ -262,11 +262,11 @@ PictureRun run_of(Play play, const char* network) {
   play.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame*) {
     if (view.request != nullptr) {
       run.key_frames_asked += view.request->answer.coding == Coding::Alone ? 1 : 0;
-      const Extent asked = view.request->views[0].size, most = largest_traced(view.shown.views[0].size);
-      EXPECT_LE(asked.width, most.width);
-      EXPECT_LE(asked.height, most.height);
-      run.sizes += size && size != asked ? 1 : 0;
-      size = asked;
+      const Extent requested = view.request->views[0].size, most = largest_traced(view.shown.views[0].size);
+      EXPECT_LE(requested.width, most.width);
+      EXPECT_LE(requested.height, most.height);
+      run.sizes += size && size != requested ? 1 : 0;
+      size = requested;
     }
     if (view.start_up || view.newest == nullptr) return;
     run.black += record.black[0] + record.black[1];

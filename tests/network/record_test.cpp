@@ -55,7 +55,7 @@ struct FarServer {
         [this] { return core->next_due(); });
   }
   void start() {
-    AnswerMakers answers;
+    RequestHandlers answers;
     answers.add(Answer::Masks, make_masks(tracer));
     core.emplace(Welcome{setup().scene.hash, lights()}, std::vector{key}, std::move(answers), wire.server(),
                  clock);
@@ -110,8 +110,8 @@ void steer(std::uint32_t frame, FrameSettings& settings) {
   if (frame == 20) change(settings.lights, 0, false, {});
   if (frame == 24) change(settings.lights, 1, true, lamp);
   if (frame == 28) settings.request.every = 3;
-  if (frame == 34) settings.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
-  if (frame == 40) settings.carry_over = {};
+  if (frame == 34) settings.reprojection = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  if (frame == 40) settings.reprojection = {};
   if (frame == 42) settings.scene = SceneClock::Paused;
   if (frame == 56) settings.scene = SceneClock::Running;
   if (frame == 60) settings.request = {PredictorKind::Kalman, GuardBandUse::Off, 1};
@@ -139,7 +139,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
                    {server.wire.server().local(), server.key, setup().scene.hash, {FarServer::lights()}},
                    kInFlight);
   link.tell(recorder.listener());
-  ASSERT_TRUE(link.meet(3s).has_value());
+  ASSERT_TRUE(link.connect(3s).has_value());
   policy.round_trip = (clock.now() - Time{}) / 2;
   ASSERT_TRUE(recorder.open(file, header_of(MaskOrigin::Server, policy)).has_value());
   FrameSettings settings;

@@ -60,7 +60,7 @@ double known_share(const RequestRecord& frame) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     known += frame.tiles_known[eye];
-    all += frame.tiles_asked[eye] * frame.masks[eye].layout().planes();
+    all += frame.tiles_requested[eye] * frame.masks[eye].layout().planes();
   }
   return static_cast<double>(known) / static_cast<double>(all);
 }
@@ -71,7 +71,7 @@ double recent_share(std::span<const TracedMask> masks) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const bool comparable = masks.size() > 1 && masks[1].views[eye].size == masks[0].views[eye].size;
     const TracedMask& before = comparable ? masks[1] : masks[0];
-    const std::size_t tiles = masks[0].known_tiles[eye].size();
+    const std::size_t tiles = masks[0].received_tiles[eye].size();
     for (std::size_t tile = 0; tile < tiles; ++tile)
       known += (known_blocks(masks[0], eye, tile) | known_blocks(before, eye, tile)) == kAllBlocks;
     all += tiles;
@@ -137,8 +137,9 @@ RecordedHeadRuntime recorded_head(const Play& play) {
 
 PlayedFrame played_frame(const FrameView& view, const Clock& clock, const NetworkLink& link,
                          const Renderer& renderer) {
-  PlayedFrame frame{
-      .at = clock.now(), .view_scale = link.inbox().view_scale(), .pipelines = renderer.counters().pipelines};
+  PlayedFrame frame{.at = clock.now(),
+                    .view_scale = link.receiver().view_scale(),
+                    .pipelines = renderer.counters().pipelines};
   if (view.newest == nullptr) return frame;
   frame.newest = view.newest->request.frame;
   frame.newest_asked = clock.now() - view.age.value();
@@ -206,7 +207,7 @@ void prepare(const Play& play, const RunContext& context) {
   if (play.start != Play::Start::DrawnAhead) return;
   if (draws_scene(play.mode.mode))
     for (const auto& step :
-         context.renderer.compile_steps(play.carry_over, context.settings.report, Changes::Never))
+         context.renderer.compile_steps(play.reprojection, context.settings.report, Changes::Never))
       step();
   draw_ahead(context, play.head.start() + play.skip);
 }
@@ -230,8 +231,8 @@ Played play(const Play& play, const Network& network) {
       in_flight);
   Played played;
   collect_reports(link, played);
-  const Expected<void> met = link.meet(kPatience);
-  const Duration round_trip = met ? (clock.now() - Time{}) / 2 : Duration::zero();
+  const Expected<void> connected = link.connect(kPatience);
+  const Duration round_trip = connected ? (clock.now() - Time{}) / 2 : Duration::zero();
 
   RecordedHeadRuntime head = recorded_head(play);
   Time moved = clock.now();
@@ -243,7 +244,7 @@ Played play(const Play& play, const Network& network) {
   const RunReportOptions measuring = measuring_of(play);
   RunReport report(measuring, renderer, reference ? &*reference : nullptr);
   const FrameSettings settings{.request = play.request,
-                               .carry_over = play.carry_over,
+                               .reprojection = play.reprojection,
                                .report = measuring.measures_any() ? PixelReport::On : PixelReport::Off};
   const RunContext context{
       .scene = play.scene,

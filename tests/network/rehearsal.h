@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "rt_server/core/server_core.h"
-#include "stereo/detail/levels.h"
 #include "stereo/head/head_recording.h"
+#include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 #include "tests/support/virtual_link.h"
 #include "vr_client/frame/frame_loop.h"
@@ -42,7 +42,7 @@ struct Play {
   std::uint32_t reference_samples = 1;  ///< per side of a pixel
   ModeSettings mode{};
   RequestSettings request{};
-  CarryOver carry_over{};
+  Reprojection reprojection{};
   Duration mask_wait{};  ///< how long a frame waits for its own answer
   /// Called for each frame. The last argument is null for frames that are not compared.
   std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame*)> watch{};

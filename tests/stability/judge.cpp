@@ -182,7 +182,7 @@ std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump) {
   return figures;
 }
 
-std::vector<Figure> judge_carried(const Scene& scene, const Dump& dump) {
+std::vector<Figure> judge_reprojected(const Scene& scene, const Dump& dump) {
   const SceneState state = state_at(scene, dump.scene_time);
   std::uint64_t pixel_lights = 0, wrong = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -210,8 +210,8 @@ std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump) {
       for (std::uint32_t x = 0; x < view.size.width; ++x) {
         if (eye.source.at(x, y) != 0) continue;  // not from the newest mask that was traced for this eye
         const glm::dvec2 at(eye.lookup_x.at(x, y), eye.lookup_y.at(x, y));
-        const std::optional<Carried> carried = carry(eye_depth, x, y, traced);
-        off_double.push_back(carried ? glm::length(carried->at - at) : HUGE_VAL);
+        const std::optional<ReprojectedPixel> reprojected = reproject(eye_depth, x, y, traced);
+        off_double.push_back(reprojected ? glm::length(reprojected->at - at) : HUGE_VAL);
         if (in_doubt(truth, x, y)) continue;
         const auto surface = see(surfaces, view, x, y);
         if (!surface || is_other(eye.distance_m.at(x, y), &surface->met)) continue;  // judged in judge_shown

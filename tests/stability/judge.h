@@ -19,10 +19,10 @@ inline constexpr std::uint32_t kJudgedLights = 16;
 [[nodiscard]] std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump);
 
 /// Compares the shown masks of a frame whose shown views are the traced views and whose mask was composed of
-/// carried and of asked bits (docs/asking.md). A carried bit has the value of the true mask within one pixel.
-/// "Wrong, carried": bits whose value no pixel of the 3x3 pixels around has in the oracle, and none of them
-/// lies in its band.
-[[nodiscard]] std::vector<Figure> judge_carried(const Scene& scene, const Dump& dump);
+/// reprojected and of requested bits (docs/partial-requests.md). A reprojected bit has the value of the true
+/// mask within one pixel. "Wrong, carried": bits whose value no pixel of the 3x3 pixels around has in the
+/// oracle, and none of them lies in its band.
+[[nodiscard]] std::vector<Figure> judge_reprojected(const Scene& scene, const Dump& dump);
 
 /// Compares the look-up positions in the view of the newest mask, in pixels, with those in double from the
 /// same stored depth and from the oracle's surface.

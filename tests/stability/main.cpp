@@ -45,7 +45,7 @@ std::vector<Case> chosen(const Options& options) {
 /// The ordinary cases, to compare run times with. Each runs at its first use.
 class Ordinary {
  public:
-  explicit Ordinary(const Room& room) : room_(room) {}
+  explicit Ordinary(const CasePaths& paths) : paths_(paths) {}
 
   Pace pace(const std::string& name) {
     if (const auto known = paces_.find(name); known != paces_.end()) return known->second;
@@ -55,12 +55,12 @@ class Ordinary {
   [[nodiscard]] Pace measure(const std::string& name) const {
     for (const std::vector<Case>& cases : {scene_cases(), light_cases(), view_cases()})
       for (const Case& tested : cases)
-        if (tested.name == name) return run(tested, room_).pace;
+        if (tested.name == name) return run(tested, paths_).pace;
     return {};
   }
 
  private:
-  const Room& room_;
+  const CasePaths& paths_;
   std::map<std::string, Pace> paces_;
 };
 
@@ -70,16 +70,16 @@ Pace faster(const Pace& a, const Pace& b) {
 
 /// The machine may be busier now than when the ordinary case ran. So if the case seems slow, both run in
 /// turn, up to five times, and the fastest runs are compared.
-Ran run_with_pace(const Case& tested, const Room& room, Ordinary& ordinary) {
+Ran run_with_pace(const Case& tested, const CasePaths& paths, Ordinary& ordinary) {
   constexpr int kTurns = 5;
-  Ran ran = run(tested, room);
+  Ran ran = run(tested, paths);
   if (tested.outcome != Outcome::Works) return ran;
   Pace best = ran.pace, like = ordinary.pace(tested.like);
   for (int turn = 0; turn < kTurns && ran.verdict.broken.empty(); ++turn) {
     Verdict timed;
     judge_pace(best, like, timed);
     if (timed.good()) break;
-    const Pace ordinary_now = ordinary.measure(tested.like), now = run(tested, room).pace;
+    const Pace ordinary_now = ordinary.measure(tested.like), now = run(tested, paths).pace;
     like = turn == 0 ? ordinary_now : faster(like, ordinary_now);
     best = turn == 0 ? now : faster(best, now);
   }
@@ -106,16 +106,16 @@ int run_all(const Options& options) {
     return EXIT_SUCCESS;
   }
   std::filesystem::create_directories(options.out);
-  const Room room{RT_SERVER, VR_CLIENT, options.out / "case"};
+  const CasePaths paths{RT_SERVER, VR_CLIENT, options.out / "case"};
   std::ofstream csv(options.out / "stability.csv");
   csv << "case,extreme,sweep,x,figure,unit,value,bound,verdict\n";
-  Ordinary ordinary(room);
+  Ordinary ordinary(paths);
   const Stopwatch watch;
   std::size_t bad = 0, done = 0;
   fmt::print("{:<34} {:<46} {:<56} {}\n", "case", "what is extreme", "figure closest to its bound",
              "verdict");
   for (const Case& tested : cases) {
-    const Verdict verdict = run_with_pace(tested, room, ordinary).verdict;
+    const Verdict verdict = run_with_pace(tested, paths, ordinary).verdict;
     bad += !verdict.good();
     fmt::print("{:<34} {:<46} {:<56} {}\n", tested.name, tested.extreme, in_short(verdict),
                verdict.good() ? "ok" : "BROKEN");
@@ -136,7 +136,7 @@ int run_all(const Options& options) {
                  terminal ? "   \r" : "\n");
   }
   std::error_code ignored;
-  std::filesystem::remove_all(room.folder, ignored);
+  std::filesystem::remove_all(paths.folder, ignored);
   fmt::print("{} cases, {} broken, {:.0f} s\n", cases.size(), bad, seconds_of(watch.elapsed()));
   return bad == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -101,11 +101,11 @@ struct Ended {
 /// Runs the client on one setting. Each run writes its results to `out`.
 class ClientRuns {
  public:
-  ClientRuns(const Room& room, const Setting& setting, const Files& files, std::string server)
-      : room_(room), setting_(setting), files_(files), server_(std::move(server)) {}
+  ClientRuns(const CasePaths& paths, const Setting& setting, const Files& files, std::string server)
+      : paths_(paths), setting_(setting), files_(files), server_(std::move(server)) {}
 
   Ended run(const std::filesystem::path& out, const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{room_.client.string(),
+    std::vector<std::string> arguments{paths_.client.string(),
                                        "--scene",
                                        files_.scene.string(),
                                        "--trace",
@@ -138,7 +138,7 @@ class ClientRuns {
   }
 
  private:
-  const Room& room_;
+  const CasePaths& paths_;
   const Setting& setting_;
   const Files& files_;
   std::string server_;
@@ -227,10 +227,10 @@ bool is_refusal(const Ended& run, const std::string& program) {
   return run.status > 0 && run.status < 126 && said.starts_with(program + ": ") && said.size() > 20;
 }
 
-Verdict refusal(const Case& tested, const Room& room, const Setting& setting, const Files& files) {
+Verdict refusal(const Case& tested, const CasePaths& paths, const Setting& setting, const Files& files) {
   Verdict verdict;
   if (tested.outcome == Outcome::BothRefuse) {
-    ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
+    ChildProgram server({paths.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
                          "--keys", files.ring.string(), "--exposure", "1"});
     const bool listens = server.line_after("rt_server: listening on ").has_value();
     if (listens || !is_refusal({server.wait(), server.errors()}, "rt_server")) {
@@ -238,7 +238,7 @@ Verdict refusal(const Case& tested, const Room& room, const Setting& setting, co
       return verdict;
     }
   }
-  const Ended run = ClientRuns(room, setting, files, "127.0.0.1:9").run(room.folder / "out", {});
+  const Ended run = ClientRuns(paths, setting, files, "127.0.0.1:9").run(paths.folder / "out", {});
   if (!is_refusal(run, "vr_client"))
     verdict.broken = run.status == 0 ? "vr_client takes it" : "vr_client ends with: " + last_line(run.errors);
   verdict.figures.push_back({"refused in one sentence", "", 0, 0});
@@ -247,10 +247,10 @@ Verdict refusal(const Case& tested, const Room& room, const Setting& setting, co
 
 }  // namespace
 
-Ran run(const Case& tested, const Room& room) {
+Ran run(const Case& tested, const CasePaths& paths) {
   const Setting setting = tested.make();
-  const Files files = write(setting, room.folder);
-  if (tested.outcome != Outcome::Works) return {refusal(tested, room, setting, files), {}};
+  const Files files = write(setting, paths.folder);
+  if (tested.outcome != Outcome::Works) return {refusal(tested, paths, setting, files), {}};
 
   Ran ran;
   Verdict& verdict = ran.verdict;
@@ -258,34 +258,34 @@ Ran run(const Case& tested, const Room& room) {
   const Expected<Scene> scene = load_lit_scene(files.scene, {.exposure = 1.0f}).map([](LitScene&& lit) {
     return std::move(lit.scene);
   });
-  ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
+  ChildProgram server({paths.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
                        "--keys", files.ring.string(), "--exposure", "1"});
   const auto address = server.line_after("rt_server: listening on ");
   if (!scene || !address) {
     verdict.broken = scene ? "rt_server: " + last_line(server.errors()) : scene.error().what;
     return ran;
   }
-  const ClientRuns client(room, setting, files, *address);
-  const auto still = room.folder / "still", moving = room.folder / "moving",
-             carried = room.folder / "carried";
+  const ClientRuns client(paths, setting, files, *address);
+  const auto still = paths.folder / "still", moving = paths.folder / "moving",
+             reprojected = paths.folder / "carried";
   const std::vector<std::string> at_once{"--delay", "0", "--predictor", "hold", "--guard-band", "off"};
   std::vector<std::string> at_once_whole = at_once;
   at_once_whole.insert(at_once_whole.end(), {"--ask", "whole"});
   const std::vector<std::string> late{"--delay", fmt::format("{}", setting.delay_ms), "--ask", "whole"};
   if (!ended(client.run(still, at_once_whole), "still", verdict) ||
       !ended(client.run(moving, late), "moving", verdict) ||
-      !ended(client.run(carried, at_once), "carried", verdict))
+      !ended(client.run(reprojected, at_once), "carried", verdict))
     return ran;
 
   const Expected<Dump> of_still = read_dump(dumped(still, setting)),
                        of_moving = read_dump(dumped(moving, setting)),
-                       of_carried = read_dump(dumped(carried, setting));
-  if (!of_still || !of_moving || !of_carried) {
-    verdict.broken = (!of_still ? of_still : !of_moving ? of_moving : of_carried).error().what;
+                       of_reprojected = read_dump(dumped(reprojected, setting));
+  if (!of_still || !of_moving || !of_reprojected) {
+    verdict.broken = (!of_still ? of_still : !of_moving ? of_moving : of_reprojected).error().what;
     return ran;
   }
   append(verdict.figures, judge_shown(*scene, *of_still));
-  append(verdict.figures, judge_carried(*scene, *of_carried));
+  append(verdict.figures, judge_reprojected(*scene, *of_reprojected));
   append(verdict.figures, judge_traced(*scene, *of_moving));
   append(verdict.figures, judge_lookup(*scene, *of_moving));
   const Columns frames = read_columns(moving / "frames.csv");

@@ -39,7 +39,7 @@ struct Pace {
 };
 
 /// Paths of the programs, their keys, and a folder for the files of one case.
-struct Room {
+struct CasePaths {
   std::filesystem::path server, client, folder;
 };
 
@@ -50,7 +50,7 @@ struct Ran {
 
 /// Runs the case twice: with masks of the shown pose, and with masks that are 20 ms late (or as the case
 /// says), with prediction and guard band.
-[[nodiscard]] Ran run(const Case& tested, const Room& room);
+[[nodiscard]] Ran run(const Case& tested, const CasePaths& paths);
 
 /// Adds run times to the verdict. The bound is four times those of the ordinary case.
 void judge_pace(const Pace& pace, const Pace& ordinary, Verdict& verdict);

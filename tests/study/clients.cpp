@@ -10,7 +10,7 @@
 #include "tests/study/figures.h"
 #include "vr_client/ask/guard_band.h"
 #include "vr_client/ask/request_plan.h"
-#include "vr_client/modes/asking.h"
+#include "vr_client/modes/partial_request.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade::study {
@@ -29,17 +29,17 @@ struct Drawing {
                                 .depth_frames = narrow<std::uint32_t>(kRemembered)}) {}
 
   /// Sets what `request` asks for.
-  void prepare(FrameRequest& request, const AnswerInbox& inbox, Time now) {
+  void prepare(FrameRequest& request, const FrameReceiver& receiver, Time now) {
     const RequestRecord* base = nullptr;
-    for (const RequestRecord* record : inbox.received(now))
-      if (base == nullptr && inbox.is_settled(*record)) base = record;
-    const std::size_t slot = inbox.next_slot();
-    asking.prepare(request, slot, base);
-    if (!asking.drawn()) renderer.keep_depth(request, slot, distances);
+    for (const RequestRecord* record : receiver.received(now))
+      if (base == nullptr && receiver.is_settled(*record)) base = record;
+    const std::size_t slot = receiver.next_slot();
+    partial_request.prepare(request, slot, base);
+    if (!partial_request.drawn()) renderer.keep_depth(request, slot, distances);
   }
 
   Renderer renderer;
-  Asking asking{renderer};
+  PartialRequest partial_request{renderer};
   PerEye<Image<float>> distances;
 };
 
@@ -70,8 +70,8 @@ struct Head {
     const Time at = timing->display_time;
     FrameRequest request =
         plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period).value();
-    if (drawing) drawing->prepare(request, link.inbox(), at);
-    link.request(request, at, drawing ? drawing->asking.parts() : RequestParts{});
+    if (drawing) drawing->prepare(request, link.receiver(), at);
+    link.request(request, at, drawing ? drawing->partial_request.parts() : RequestParts{});
     return true;
   }
 };
@@ -85,7 +85,7 @@ nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uin
   if (!tracer) throw std::runtime_error(tracer.error().what);
   const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
   const SharedKey key{.name = "study", .secret = {1}};
-  AnswerMakers answers;
+  RequestHandlers answers;
   answers.add(Answer::Masks, make_masks(*tracer));
   ServerCore core({play.scene.hash, lights}, {key}, std::move(answers), wire.server(), clock, play.limits);
   const SteadyClock real;
@@ -106,8 +106,8 @@ nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uin
   for (std::size_t i = 0; i < clients; ++i) {
     heads.push_back(std::make_unique<Head>(
         play, i * kApart, wire, i, clock, LinkTarget{wire.server().local(), key, play.scene.hash, {lights}}));
-    if (const Expected<void> met = heads.back()->link.meet(kPatience); !met)
-      throw std::runtime_error(met.error().what);
+    if (const Expected<void> connected = heads.back()->link.connect(kPatience); !connected)
+      throw std::runtime_error(connected.error().what);
   }
   const auto period = Duration(static_cast<std::int64_t>(1e9 / play.refresh_hz));
   Figures figures;

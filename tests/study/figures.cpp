@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "stereo/base/check.h"
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 
 namespace farshade::study {
 namespace {
@@ -55,7 +55,7 @@ void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   add("from_newest", &EyeErrors::newest, 100, Worse::Low);
   add("from_other_eye", &EyeErrors::other_eye);
   add("from_older", &EyeErrors::older);
-  add("from_surround", &EyeErrors::surround);
+  add("from_surround", &EyeErrors::cube_mask);
   add("from_neighbours", &EyeErrors::neighbours);
   add("unknown", &EyeErrors::unknown);
   add("stale", &EyeErrors::stale);
@@ -128,8 +128,8 @@ void add_times(const Played& played, std::uint32_t first, Figures& figures) {
     add("client_depth", client.depth);
     add("client_maps", client.maps);
     add("client_shade", client.shade);
-    add("client_carry", client.carry);
-    add("client_turn", client.turn);
+    add("client_carry", client.request_reprojection);
+    add("client_turn", client.timewarp);
   }
   for (const FrameReport& server : reports_after(played, first)) {
     add("server_frame", total_work(server));

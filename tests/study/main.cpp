@@ -10,11 +10,11 @@
 #include "stereo/base/command_line.h"
 #include "stereo/base/heap.h"
 #include "stereo/base/within.h"
-#include "stereo/detail/levels.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
+#include "stereo/lod/levels.h"
 #include "stereo/scene/lighting.h"
-#include "stereo/scene/stand_option.h"
+#include "stereo/scene/start_pose_option.h"
 #include "tests/study/clients.h"
 #include "tests/study/mode_words.h"
 #include "tests/study/point.h"
@@ -30,7 +30,7 @@ struct Options {
   Rounds rounds;
   std::uint32_t side_px = 256, frames = 72, every = 8, samples = 1, clients = 0, warm_up = 10;
   double skip_s = 0;
-  std::optional<Stand> stand;
+  std::optional<StartPose> start_pose;
   bool timing = false, versions = false;
 };
 
@@ -60,7 +60,7 @@ Expected<nlohmann::json> measured(const Options& options) {
   Expected<Scene> scene =
       load_lit_scene(options.scene, {}).map([](LitScene&& lit) { return std::move(lit.scene); });
   if (!scene) return tl::unexpected(scene.error());
-  scene->camera = viewpoint_of(*scene, options.stand);
+  scene->camera = viewpoint_of(*scene, options.start_pose);
   const Expected<HeadRecording> head = load_head_recording(options.trace, {});
   if (!head) return tl::unexpected(head.error());
   const Expected<Network> network = network_from(options.network);
@@ -100,7 +100,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(within(1, 100000));
   app.add_option("--skip", options.skip_s, "seconds to skip at the start of the recording")
       ->check(within(0.0, 1e6));
-  add_stand_option(app, options.stand);
+  add_start_pose_option(app, options.start_pose);
   app.add_option("--pictures", options.pictures, "folder for pictures of the worst frame");
   app.add_option("--clients", options.clients, "measure the time of a server with this many clients")
       ->check(within(1, 64));

@@ -57,7 +57,7 @@ bool set_predictor(std::string_view value, Play& play) {
 
 bool set_edges(std::string_view value, Play& play) {
   if (value != "nearest" && value != "coverage") return false;
-  play.carry_over.edges = value == "nearest" ? Edges::Nearest : Edges::Coverage;
+  play.reprojection.edges = value == "nearest" ? Edges::Nearest : Edges::Coverage;
   return true;
 }
 
@@ -69,7 +69,7 @@ struct Word {
 
 const std::vector<Word>& all_words() {
   const auto asks = [](Mode mode) { return answers_for(mode) != 0; };
-  const auto carries = [](Mode mode) { return carries_over(mode); };
+  const auto reprojects = [](Mode mode) { return reprojects_masks(mode); };
   const auto widens = [](Mode mode) { return has_guard_band(mode); };
   const auto sends_positions = [](Mode mode) { return mode == Mode::ClientPositions; };
   const auto streams = [](Mode mode) { return mode == Mode::Remote || mode == Mode::Delta; };
@@ -84,11 +84,12 @@ const std::vector<Word>& all_words() {
       {"ask", only_hybrid, only("whole", [](Play& play) { play.request.asks = Asks::Whole; })},
       {"code", only_hybrid, only("lz4", [](Play& play) { play.mode.mask_code = MaskCode::Lz4; })},
       {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},
-      {"reprojection", carries, only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
+      {"reprojection", reprojects,
+       only("off", [](Play& play) { play.reprojection.lookup = Lookup::Direct; })},
       {"band", widens, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
-      {"eyes", carries, only("this", [](Play& play) { play.carry_over.eyes = Eyes::This; })},
-      {"gaps", carries, only("unknown", [](Play& play) { play.carry_over.gaps = Gaps::Unknown; })},
-      {"edges", carries, &set_edges},
+      {"eyes", reprojects, only("this", [](Play& play) { play.reprojection.eyes = Eyes::This; })},
+      {"gaps", reprojects, only("unknown", [](Play& play) { play.reprojection.gaps = Gaps::Unknown; })},
+      {"edges", reprojects, &set_edges},
       {"bits", sends_positions,
        number(kLeastPosition_bits, kMostPosition_bits,
               [](Play& play, Value n) { play.mode.position_bits = n; })},

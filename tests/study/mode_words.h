@@ -10,7 +10,7 @@ namespace farshade::study {
 ///
 ///     that draw the scene       detail=PIXELS, the limit of the geometric error, such as 0.25; 0 is full
 ///     detail with a server             predictor=NAME  every=N  wait (for the frame's own answer, at most a
-///     second) that carry masks over     reprojection=off  band=off  eyes=this  gaps=unknown  edges=nearest
+///     second) that reproject masks      reprojection=off  band=off  eyes=this  gaps=unknown  edges=nearest
 ///     hybrid                    ask=whole  code=lz4
 ///     client-positions          bits=N, an axis
 ///     remote, delta             bitrate=N, NK or NM, bits a second

@@ -25,7 +25,7 @@ TEST(ModeWords, ANameAloneIsTheModeWithItsDefaults) {
     ModeSettings by_default;
     by_default.mode = named.mode;
     EXPECT_EQ(settings.play.mode, by_default);
-    EXPECT_EQ(settings.play.carry_over, CarryOver{});
+    EXPECT_EQ(settings.play.reprojection, Reprojection{});
     EXPECT_EQ(settings.play.mask_wait, Duration::zero());
     EXPECT_FALSE(settings.play.detail_px.has_value());
   }
@@ -37,7 +37,8 @@ TEST(ModeWords, SetTheNamedSetting) {
       set("hybrid,ask=whole,reprojection=off,band=off,eyes=this,gaps=unknown,edges=nearest,predictor=hold,"
           "every=4,wait",
           hybrid));
-  EXPECT_EQ(hybrid.play.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
+  EXPECT_EQ(hybrid.play.reprojection,
+            (Reprojection{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
   EXPECT_EQ(hybrid.play.request.guard_band, GuardBandUse::Off);
   EXPECT_EQ(hybrid.play.request.asks, Asks::Whole);
   EXPECT_EQ(hybrid.play.request.predictor, PredictorKind::Hold);
@@ -50,7 +51,7 @@ TEST(ModeWords, SetTheNamedSetting) {
 
   Settings covered;
   ASSERT_TRUE(set("hybrid,edges=coverage", covered));
-  EXPECT_EQ(covered.play.carry_over.edges, Edges::Coverage);
+  EXPECT_EQ(covered.play.reprojection.edges, Edges::Coverage);
 
   Settings remote, delta, positions, local;
   ASSERT_TRUE(set("remote,bitrate=20M", remote));

@@ -5,12 +5,12 @@
 #include <memory>
 #include <utility>
 
-#include "rt_server/core/answer_makers.h"
+#include "rt_server/core/request_handlers.h"
 #include "tests/support/manual_clock.h"
 
 namespace farshade {
 
-class AnswerFrom final : public AnswerMaker {
+class AnswerFrom final : public RequestHandler {
  public:
   using Function = std::function<AnswerCost(const Job&, FramePacker&)>;
   explicit AnswerFrom(Function function) : function_(std::move(function)) {}
@@ -21,16 +21,16 @@ class AnswerFrom final : public AnswerMaker {
 };
 
 /// Offers `answers`. `function` makes each of them.
-[[nodiscard]] inline AnswerMakers answers_from(AnswerSet answers, const AnswerFrom::Function& function) {
-  AnswerMakers makers;
+[[nodiscard]] inline RequestHandlers answers_from(AnswerSet answers, const AnswerFrom::Function& function) {
+  RequestHandlers handlers;
   for (std::uint8_t i = 0; i < kAnswers; ++i)
     if (const auto answer = static_cast<Answer>(i); (answers & set_of(answer)) != 0)
-      makers.add(answer, std::make_unique<AnswerFrom>(function));
-  return makers;
+      handlers.add(answer, std::make_unique<AnswerFrom>(function));
+  return handlers;
 }
 
 /// Offers masks. `trace` fills the frame, whose buffers are reused.
-[[nodiscard]] inline AnswerMakers masks_from(
+[[nodiscard]] inline RequestHandlers masks_from(
     std::function<TraceStats(const FrameRequest&, ShadowFrame&)> trace) {
   const auto make = [trace = std::move(trace), frame = std::make_shared<ShadowFrame>()](const Job& job,
                                                                                         FramePacker& packer) {

@@ -123,21 +123,21 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
   EXPECT_EQ(options.request.every, 3u);
-  EXPECT_EQ(options.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
+  EXPECT_EQ(options.reprojection, (Reprojection{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
   EXPECT_EQ(options.device.name_contains, "llvm");
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
 
 TEST(ReadOptions, EdgesCanBeCoverage) {
-  EXPECT_EQ(read_more({"--edges", "coverage"}).options.value().carry_over.edges, Edges::Coverage);
-  EXPECT_EQ(read_more({}).options.value().carry_over.edges, Edges::Filtered);
+  EXPECT_EQ(read_more({"--edges", "coverage"}).options.value().reprojection.edges, Edges::Coverage);
+  EXPECT_EQ(read_more({}).options.value().reprojection.edges, Edges::Filtered);
 }
 
 TEST(ReadOptions, AHeadStandsWhereTheUserSays) {
-  EXPECT_FALSE(read_more({}).options->stand.has_value());
+  EXPECT_FALSE(read_more({}).options->start_pose.has_value());
   const Outcome stands = read_more({"--stand", "-3.4,1.4,-4,180", "--place", "fit"});
   ASSERT_TRUE(stands.options.has_value()) << stands.errors;
-  EXPECT_EQ(stands.options->stand, parse_stand("-3.4,1.4,-4,180").value());
+  EXPECT_EQ(stands.options->start_pose, parse_start_pose("-3.4,1.4,-4,180").value());
   EXPECT_EQ(stands.options->place, Place::Fit);
   const Outcome recorded = read_more({"--stand", "1,2,3", "--place", "recorded"});
   ASSERT_FALSE(recorded.options.has_value());
@@ -172,7 +172,7 @@ TEST(ReadOptions, HasTheDefaultsOfTheHeader) {
   EXPECT_EQ(read.options->request.predictor, kDefaultPredictor);
   EXPECT_EQ(read.options->request.guard_band, GuardBandUse::Measured);
   EXPECT_EQ(read.options->request.every, 0u);
-  EXPECT_EQ(read.options->carry_over, CarryOver{});
+  EXPECT_EQ(read.options->reprojection, Reprojection{});
 }
 
 TEST(ReadOptions, AcceptsEveryPredictor) {

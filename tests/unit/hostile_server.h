@@ -22,7 +22,7 @@ class HostileServer {
     while (const auto datagram = port_.receive(buffer, Duration::zero())) {
       const Decoded<ClientEnvelope> envelope = open_client_envelope(datagram->bytes);
       if (!envelope) continue;
-      if (const auto* hello = std::get_if<Hello>(&*envelope)) meet(*hello, *datagram);
+      if (const auto* hello = std::get_if<Hello>(&*envelope)) connect(*hello, *datagram);
       if (const auto* sealed = std::get_if<Sealed>(&*envelope)) open(*sealed, *datagram);
     }
   }
@@ -49,7 +49,7 @@ class HostileServer {
   [[nodiscard]] std::uint64_t sessions() const { return sessions_; }
 
  private:
-  void meet(const Hello& hello, const Datagram& datagram) {
+  void connect(const Hello& hello, const Datagram& datagram) {
     const std::optional<Accepted> accepted = accept(hello, datagram.bytes, key_, welcome_);
     if (!accepted) return;
     keys_ = accepted->keys;

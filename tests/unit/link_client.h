@@ -93,17 +93,17 @@ struct LinkClient {
 
  private:
   void take_accept(const Accept& accept, std::span<const std::byte> datagram) {
-    const auto met = handshake.take(accept, datagram);
-    if (!met || session == met->keys.session) return;
-    if (const auto* no = std::get_if<Refusal>(&met->answer)) {
+    const auto completed = handshake.take(accept, datagram);
+    if (!completed || session == completed->keys.session) return;
+    if (const auto* no = std::get_if<Refusal>(&completed->answer)) {
       refusal = *no;
       return;
     }
-    welcome = std::get<Welcome>(met->answer);
-    session = met->keys.session;
-    keys = met->keys;
-    sealer.emplace(met->keys.session, met->keys.to_server, met->keys.sealing);
-    opener.emplace(met->keys.to_client, met->keys.sealing);
+    welcome = std::get<Welcome>(completed->answer);
+    session = completed->keys.session;
+    keys = completed->keys;
+    sealer.emplace(completed->keys.session, completed->keys.to_server, completed->keys.sealing);
+    opener.emplace(completed->keys.to_client, completed->keys.sealing);
   }
   void take_sealed(const Sealed& sealed, std::span<const std::byte> datagram, Time arrived) {
     if (session != sealed.session) return refused.count(WireRefusal::UnknownSession);
@@ -142,7 +142,7 @@ struct PortClient : LinkClient {
     return true;
   }
   /// Shakes hands. Returns false if there is no session after `patience`.
-  bool meet(Duration patience) {
+  bool connect(Duration patience) {
     say(hello());
     while (!session && hear(patience)) {
     }

@@ -84,7 +84,7 @@ TEST(PlacedHead, IsAtTheCameraIfThatIsGoodOrIfTheUserSaysSo) {
     EXPECT_EQ(head.test.inside > 20, in_block) << "the walk begins in the block and leaves it";
   }
   Options stands = with(Place::Auto);
-  stands.stand = Stand{.at = {{0, 1.6, 0}}, .heading_rad = std::nullopt};
+  stands.start_pose = StartPose{.at = {{0, 1.6, 0}}, .heading_rad = std::nullopt};
   EXPECT_LT(glm::length(start_of(placed(hall(false), stands)) - glm::dvec3(0, 1.6, 0)), 1e-9)
       << "a place that the user names is kept";
 }

@@ -15,7 +15,7 @@ Duration turn_of(std::uint32_t tile) {
 }  // namespace
 
 void add_refresh(Time since, Time now, std::uint32_t lights, std::span<const BlockBits> covered,
-                 std::span<AskedTile> tiles) {
+                 std::span<RequestedTile> tiles) {
   const Duration passed = now - since;
   Duration begin = since.time_since_epoch() % kRefreshPeriod;
   if (begin < Duration::zero()) begin += kRefreshPeriod;

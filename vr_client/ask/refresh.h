@@ -1,11 +1,11 @@
 /// Refresh: the tiles that a request asks for although they are known, so that nothing wrong lives longer
-/// than a second (docs/asking.md).
+/// than a second (docs/partial-requests.md).
 #pragma once
 
 #include <span>
 
 #include "stereo/base/clock.h"
-#include "stereo/frame/asked_blocks.h"
+#include "stereo/frame/requested_blocks.h"
 
 namespace farshade {
 
@@ -16,6 +16,6 @@ inline constexpr Duration kRefreshPeriod = std::chrono::seconds(1);
 /// after display time `since` and until `now`. Their turns are spread evenly over the period and over the
 /// picture.
 void add_refresh(Time since, Time now, std::uint32_t lights, std::span<const BlockBits> covered,
-                 std::span<AskedTile> tiles);
+                 std::span<RequestedTile> tiles);
 
 }  // namespace farshade

@@ -128,7 +128,7 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
       guard_band_.margins_px(full, predictor_.velocity(), used_after, period * (frames_apart(period) - 1) / 2,
                              settings_.guard_band_percent / 100.0),
       full[0].size, request.views[0].size);
-  if (use_ == AnswerUse::Turned) needed = steady_band_.margins_px(needed, request.views[0].size);
+  if (use_ == AnswerUse::Timewarped) needed = steady_band_.margins_px(needed, request.views[0].size);
   const Sides<std::uint32_t> margins = reduced_to_fit(request.views, needed, most_pixels_);
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
   if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;  // rounding may exceed a limit

@@ -90,10 +90,10 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
       if (answer.open_refusal || refusal->echo != handshake.echo()) continue;
       answer.open_refusal = *refusal;  // perhaps forged: the true server may still contradict it
     } else if (const auto* const accept = std::get_if<Accept>(&*envelope)) {
-      const auto met = handshake.take(*accept, received->bytes);
-      if (!met) continue;
-      answer.message = met->answer;
-      if (std::holds_alternative<Welcome>(met->answer)) leave(port, server, met->keys);
+      const auto completed = handshake.take(*accept, received->bytes);
+      if (!completed) continue;
+      answer.message = completed->answer;
+      if (std::holds_alternative<Welcome>(completed->answer)) leave(port, server, completed->keys);
     }
   }
   return answer;

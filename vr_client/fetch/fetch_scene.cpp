@@ -69,7 +69,7 @@ struct OpenedFetch {
 /// Asks for the offer over a new connection.
 Expected<OpenedFetch> ask_over(TcpStream tcp, const FetchPlan& plan, const Waiting& waiting) {
   Expected<SealedStream> stream =
-      SealedStream::meet(std::move(tcp), StreamPurpose::SceneFetch, plan.key, waiting);
+      SealedStream::connect(std::move(tcp), StreamPurpose::SceneFetch, plan.key, waiting);
   if (!stream) return tl::unexpected(stream.error());
   if (auto sent = send_request(*stream, OfferRequest{}, waiting); !sent) return tl::unexpected(sent.error());
   std::vector<std::byte> bytes;

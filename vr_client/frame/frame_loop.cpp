@@ -20,7 +20,7 @@ class SceneTime {
 /// The traffic of a link between two calls.
 class TrafficMeter {
  public:
-  explicit TrafficMeter(const AnswerLink* link) : link_(link) { static_cast<void>(since_last()); }
+  explicit TrafficMeter(const ServerConnection* link) : link_(link) { static_cast<void>(since_last()); }
 
   std::optional<LinkTraffic> since_last() {
     const std::optional<LinkTraffic> now = link_ ? link_->traffic() : std::nullopt;
@@ -30,12 +30,12 @@ class TrafficMeter {
   }
 
  private:
-  const AnswerLink* link_;
+  const ServerConnection* link_;
   LinkTraffic last_;
 };
 
 Exposure exposure_of(const RunContext& context) {
-  const auto told = context.link ? context.link->inbox().exposure() : std::nullopt;
+  const auto told = context.link ? context.link->receiver().exposure() : std::nullopt;
   return told.value_or(context.exposure);
 }
 
@@ -90,8 +90,8 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
            .as = drawn_frame.as,
            .start_up = drawn_frame.start_up,
            .black = drawn_frame.black,
-           .surround = drawn_frame.surround,
-           .surround_cost = drawn_frame.surround_cost,
+           .cube_mask = drawn_frame.cube_mask,
+           .cube_mask_cost = drawn_frame.cube_mask_cost,
            .silent_since = context.link ? context.link->silent_since() : std::nullopt,
            .traffic = traffic.since_last()});
   }

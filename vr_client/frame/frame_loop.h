@@ -9,7 +9,7 @@
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/frame/mode.h"
 #include "vr_client/frame/reference.h"
-#include "vr_client/link/answer_inbox.h"
+#include "vr_client/link/frame_receiver.h"
 #include "vr_client/runtime/runtime.h"
 
 namespace farshade {
@@ -25,7 +25,7 @@ struct MaskPolicy {
 /// Settings that may change between frames. They are read once a frame, after Runtime::wait_frame.
 struct FrameSettings {
   RequestSettings request;
-  CarryOver carry_over;
+  Reprojection reprojection;
   LightChanges lights{};  ///< all changes that the viewer has made so far
   SceneClock scene = SceneClock::Running;
   PixelReport report = PixelReport::Off;
@@ -43,8 +43,8 @@ struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
 };
 
-/// What the answers of the surround took that came during a frame.
-struct SurroundCost {
+/// What the answers of the cube mask took that came during a frame.
+struct CubeMaskCost {
   std::uint64_t rays = 0;   ///< primary and shadow
   std::uint64_t bytes = 0;  ///< of their slices, before sealing
   Duration server{};
@@ -69,11 +69,11 @@ struct FrameView {
   const FrameSettings& settings;  ///< the settings it was shown with
   FrameTiming timing;
   ShownAs as = ShownAs::Shaded;
-  bool start_up = false;                   ///< no answer that the mode needs had come yet
-  PerEye<double> black{};                  ///< the share of each eye that the server's picture does not cover
-  std::span<const TracedMask> surround{};  ///< the masks of the surround it was drawn with
-  SurroundCost surround_cost{};
-  std::optional<Time> silent_since{};    ///< AnswerLink::silent_since
+  bool start_up = false;   ///< no answer that the mode needs had come yet
+  PerEye<double> black{};  ///< the share of each eye that the server's picture does not cover
+  std::span<const TracedMask> cube_mask{};  ///< the masks of the cube's faces it was drawn with
+  CubeMaskCost cube_mask_cost{};
+  std::optional<Time> silent_since{};    ///< ServerConnection::silent_since
   std::optional<LinkTraffic> traffic{};  ///< since the frame before was shown, or since the run began
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
@@ -84,10 +84,10 @@ struct RunContext {
   Runtime& runtime;
   Renderer& renderer;
   ModeSettings mode{};
-  AnswerLink* link = nullptr;       ///< modes with a server
-  Reference* own_tracer = nullptr;  ///< mode full
-  const FrameSettings& settings;    ///< read when a frame begins
-  Exposure exposure{};              ///< unless the server's Welcome says another
+  ServerConnection* link = nullptr;  ///< modes with a server
+  Reference* own_tracer = nullptr;   ///< mode full
+  const FrameSettings& settings;     ///< read when a frame begins
+  Exposure exposure{};               ///< unless the server's Welcome says another
   MaskPolicy policy;
   const Clock& clock = kSteadyClock;  ///< times the stages: StageStarts
 };
@@ -107,8 +107,8 @@ struct DrawnFrame {
   ShownAs as = ShownAs::Shaded;
   bool start_up = false;                ///< no answer that the mode needs has come yet
   std::span<const TracedMask> masks{};  ///< the masks it was drawn with, the most trusted first
-  std::span<const TracedMask> surround{};
-  SurroundCost surround_cost{};
+  std::span<const TracedMask> cube_mask{};
+  CubeMaskCost cube_mask_cost{};
   const RequestRecord* newest = nullptr;
   std::optional<Duration> age{};
   PerEye<double> black{};
@@ -116,7 +116,7 @@ struct DrawnFrame {
 };
 
 /// The three steps of a frame in one mode. The frame loop calls them in order. The modes are in
-/// vr_client/modes; the steps that modes share are in modes/exchange.h and in the renderer.
+/// vr_client/modes; the steps that modes share are in modes/mask_stream.h and in the renderer.
 class ModePipeline {
  public:
   virtual ~ModePipeline() = default;

@@ -43,13 +43,13 @@ inline constexpr std::array<ModeName, 7> kModes{
 }
 
 /// The mode reprojects masks from the views they were traced for.
-[[nodiscard]] constexpr bool carries_over(Mode mode) {
+[[nodiscard]] constexpr bool reprojects_masks(Mode mode) {
   return mode == Mode::Hybrid || mode == Mode::ClientPositions;
 }
 
 /// Requested views may be wider than the shown ones.
 [[nodiscard]] constexpr bool has_guard_band(Mode mode) {
-  return carries_over(mode) || mode == Mode::Remote || mode == Mode::Delta;
+  return reprojects_masks(mode) || mode == Mode::Remote || mode == Mode::Delta;
 }
 
 /// A capture holds masks, not pictures or G-buffers.
@@ -68,7 +68,7 @@ inline constexpr std::array<ModeName, 7> kModes{
   return draws_scene(mode) && mode != Mode::Full ? kDefaultDetail_px : 0;
 }
 
-/// How the server codes the masks of mode hybrid (docs/asking.md).
+/// How the server codes the masks of mode hybrid (docs/partial-requests.md).
 enum class MaskCode : std::uint8_t {
   Range,  ///< slices that each decode alone, of what the client asks for
   Lz4,    ///< one LZ4 block of both eyes' whole views, as published systems have it

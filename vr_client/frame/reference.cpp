@@ -10,7 +10,7 @@ TracedMask Reference::trace(const FrameRequest& request) {
   static_cast<void>(tracer_.trace(request, frame_));
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
-                           all_planes_known(frame_.masks[eye].layout()));
+                           all_planes_received(frame_.masks[eye].layout()));
   // The content number of a server's mask is a count of tiles. This one never equals it.
   const std::uint64_t content = std::uint64_t{1} << 63 | ++traces_;
   return {request.frame, request.display_time,     request.scene_time, frame_.views, frame_.masks, all_known_,

@@ -2,7 +2,7 @@
 /// measured against it.
 #pragma once
 
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {
@@ -24,7 +24,7 @@ class Reference {
  private:
   Tracer tracer_;
   ShadowFrame frame_;
-  PerEye<KnownTiles> all_known_;
+  PerEye<ReceivedTiles> all_known_;
   std::uint64_t traces_ = 0;
 };
 

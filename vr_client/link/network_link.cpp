@@ -15,7 +15,7 @@ constexpr Duration kBurstPause = std::chrono::microseconds(200);
 /// "video, difference".
 std::string names_of(AnswerSet answers) {
   constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers",
-                                                         "video", "difference",         "surrounds"};
+                                                         "video", "difference",         "cube masks"};
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     if ((answers >> i & 1u) != 0) text.append(text.empty() ? "" : ", ").append(names[i]);
@@ -31,7 +31,7 @@ NetworkLink::Channel::Channel(const SessionKeys& keys, Time now)
       last_received(now) {}
 
 NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
-    : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
+    : port_(port), clock_(clock), target_(target), receiver_(frames, target.mask) {}
 
 NetworkLink::~NetworkLink() {
   if (!channel_) return;
@@ -73,7 +73,7 @@ void NetworkLink::keep_session() {
   if (!channel_ || handshake_ || silent) say_hello();
 }
 
-Expected<void> NetworkLink::meet(Duration patience) {
+Expected<void> NetworkLink::connect(Duration patience) {
   const Time until = clock_.now() + patience;
   while (!channel_ && !refused_ && clock_.now() < until) {
     keep_session();
@@ -89,7 +89,7 @@ Expected<void> NetworkLink::meet(Duration patience) {
 void NetworkLink::request(const FrameRequest& request, Time requested_at, const RequestParts& parts) {
   keep_session();
   if (!channel_) return;
-  send_request(inbox_.ask(request, requested_at, clock_.now(), parts.carried));
+  send_request(receiver_.ask(request, requested_at, clock_.now(), parts.reprojected));
   send_following(parts.messages);
 }
 
@@ -106,16 +106,16 @@ void NetworkLink::send_following(std::span<const std::vector<std::byte>> message
 void NetworkLink::send_request(const FrameRequest& request) {
   if (listener_.sent) listener_.sent(request);
   seal_request(request);
-  if (request.answer.kind != Answer::Surround) channel_->newest_sent = request.frame;
-  if (channel_->unanswered++ == 0) channel_->asked = clock_.now();
+  if (request.answer.kind != Answer::CubeMask) channel_->newest_sent = request.frame;
+  if (channel_->unanswered++ == 0) channel_->requested = clock_.now();
 }
 
 void NetworkLink::seal_request(const FrameRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
-  const RequestRecord* const newest = inbox_.newest_known();
+  const RequestRecord* const newest = receiver_.newest_known();
   // When a request is sent again, its own answer may have come.
-  if (newest != nullptr && request.answer.kind != Answer::Surround &&
+  if (newest != nullptr && request.answer.kind != Answer::CubeMask &&
       is_newer(request.frame, newest->request.frame))
     message.newest_received = newest->request.frame;
   encode(message, message_);
@@ -126,7 +126,7 @@ void NetworkLink::seal_request(const FrameRequest& request) {
 
 void NetworkLink::keep_alive() {
   if (!channel_ || !channel_->newest_sent) return;
-  const RequestRecord* const record = inbox_.find(*channel_->newest_sent);
+  const RequestRecord* const record = receiver_.find(*channel_->newest_sent);
   if (record == nullptr) return;
   FrameRequest again = record->request;
   // The server may have missed any change, and merges those that it has.
@@ -184,11 +184,11 @@ void NetworkLink::take(const Goodbye& goodbye, Time) {
 }
 
 void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
-  const std::optional<ClientHandshake::Completed> met = handshake_->take(accept, datagram);
-  if (!met) return;
+  const std::optional<ClientHandshake::Completed> completed = handshake_->take(accept, datagram);
+  if (!completed) return;
   handshake_.reset();
   unproved_refusal_.reset();
-  if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
+  if (const auto* refusal = std::get_if<Refusal>(&completed->answer)) {
     const std::string why = explain(*refusal, target_.scene_hash).sentence();
     if (refusal->reason == RefusalReason::Busy)
       busy_server_ = why;
@@ -196,7 +196,7 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
       refused_ = Error{Fault::Mismatch, why};
     return;
   }
-  const auto& welcome = std::get<Welcome>(met->answer);
+  const auto& welcome = std::get<Welcome>(completed->answer);
   const std::string server = "the server at " + to_string(target_.server);
   if (welcome.scene_hash != target_.scene_hash) {
     refused_ = Error{
@@ -216,9 +216,9 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
                          "): it draws no pictures, or was built without video. Use --mode hybrid"};
     return;
   }
-  channel_.emplace(met->keys, clock_.now());
+  channel_.emplace(completed->keys, clock_.now());
   goodbye_.reset();
-  inbox_.begin(welcome);
+  receiver_.begin(welcome);
   if (listener_.received) {
     encode(ServerMessage(welcome), message_);
     listener_.received(message_, clock_.now());
@@ -263,9 +263,9 @@ void NetworkLink::listen(Duration span) {
 bool NetworkLink::wait_for(FrameId frame, Duration patience) {
   const Time until = clock_.now() + patience;
   poll();
-  while (!inbox_.is_whole(frame)) {
+  while (!receiver_.is_whole(frame)) {
     const Duration left = until - clock_.now();
-    if (left <= Duration::zero() || !channel_ || !inbox_.may_come(frame) || gives_up_()) return false;
+    if (left <= Duration::zero() || !channel_ || !receiver_.may_come(frame) || gives_up_()) return false;
     keep_session();
     receive_one(std::min(left, kHelloInterval));
   }
@@ -274,14 +274,15 @@ bool NetworkLink::wait_for(FrameId frame, Duration patience) {
 
 std::optional<Time> NetworkLink::silent_since() const {
   const std::optional<Time> since = !channel_                  ? first_hello_
-                                    : channel_->unanswered > 0 ? std::optional(channel_->asked)
+                                    : channel_->unanswered > 0 ? std::optional(channel_->requested)
                                                                : std::nullopt;
   return since && (goodbye_ || clock_.now() - *since > kSilentAfter) ? since : std::nullopt;
 }
 
 NetworkLink::Counters NetworkLink::counters() const {
-  return {inbox_.counters(), undecodable_, port_.counters(),
-          sessions_,         cut_short_,   channel_ ? channel_->arrivals.missing() : 0};
+  return {receiver_.counters(), undecodable_,
+          port_.counters(),     sessions_,
+          cut_short_,           channel_ ? channel_->arrivals.missing() : 0};
 }
 
 }  // namespace farshade

@@ -11,7 +11,7 @@
 #include "stereo/net/arrivals.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
-#include "vr_client/link/answer_inbox.h"
+#include "vr_client/link/frame_receiver.h"
 
 namespace farshade {
 
@@ -43,7 +43,7 @@ inline constexpr Duration kMostPolling = std::chrono::milliseconds(4);
 inline constexpr Duration::rep kPollingPart = 3;
 inline constexpr Duration kLongestPolling = std::chrono::milliseconds(100);
 
-class NetworkLink final : public AnswerLink {
+class NetworkLink final : public ServerConnection {
  public:
   /// Keeps the records of `frames` requests. Keeps references to `port`, and to `clock`, which times waits.
   NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames);
@@ -59,7 +59,7 @@ class NetworkLink final : public AnswerLink {
   /// (Mismatch), does not answer (Missing) or is full (Unavailable). After the latter two the caller may go
   /// on, because the link keeps trying. Anybody can forge the refusal of a key or of a version, so it counts
   /// only if no session is open at the end of `patience`.
-  [[nodiscard]] Expected<void> meet(Duration patience);
+  [[nodiscard]] Expected<void> connect(Duration patience);
 
   /// Sends only those light changes that the server may not have yet.
   void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override;
@@ -80,7 +80,7 @@ class NetworkLink final : public AnswerLink {
   void give_up_when(std::function<bool()> gives_up) { gives_up_ = std::move(gives_up); }
 
   [[nodiscard]] bool takes_parts() const override { return !listener_.sent; }
-  [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
+  [[nodiscard]] const FrameReceiver& receiver() const override { return receiver_; }
 
   [[nodiscard]] std::optional<std::string> goodbye() const override { return goodbye_; }
 
@@ -120,7 +120,7 @@ class NetworkLink final : public AnswerLink {
     Time last_received;
     std::optional<FrameId> newest_sent;  ///< of the requests of views
     std::uint32_t unanswered = 0;        ///< requests sent since then
-    Time asked{};                        ///< when the first of them was sent
+    Time requested{};                    ///< when the first of them was sent
   };
 
   void send_outgoing();
@@ -140,14 +140,14 @@ class NetworkLink final : public AnswerLink {
   void take(const Goodbye& goodbye, Time);
   void take(const PathProbe&, Time) {}
   void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
-  void take(const auto& piece_or_report, Time arrived) { inbox_.take(piece_or_report, arrived); }
+  void take(const auto& piece_or_report, Time arrived) { receiver_.take(piece_or_report, arrived); }
 
   DatagramPort& port_;
   const Clock& clock_;
   LinkTarget target_;
   std::optional<ClientHandshake> handshake_;  ///< in progress
   std::optional<Channel> channel_;
-  AnswerInbox inbox_;
+  FrameReceiver receiver_;
   LinkListener listener_;
   std::function<bool()> gives_up_ = [] { return false; };
   std::optional<Time> last_hello_, first_hello_;

@@ -25,13 +25,13 @@ class Full final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    CarryOver carry_over = inputs.settings.carry_over;
-    carry_over.lookup = Lookup::Direct;
+    Reprojection reprojection = inputs.settings.reprojection;
+    reprojection.lookup = Lookup::Direct;
     const std::span<const TracedMask> masks(mask_ ? &*mask_ : nullptr, mask_ ? 1 : 0);
     return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
                                              .state = inputs.state,
                                              .masks = masks,
-                                             .carry_over = carry_over,
+                                             .reprojection = reprojection,
                                              .report = inputs.settings.report,
                                              .hidden = inputs.hidden}),
             .masks = masks};
@@ -55,7 +55,7 @@ class Local final : public ModePipeline {
     return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
                                              .state = inputs.state,
                                              .masks = {},
-                                             .carry_over = {},
+                                             .reprojection = {},
                                              .report = inputs.settings.report,
                                              .shadow_maps = &context_.mode.shadow_maps,
                                              .hidden = inputs.hidden})};

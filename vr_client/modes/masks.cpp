@@ -1,5 +1,5 @@
 // Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks. It
-// carries its newest mask over to the predicted views first, and asks only for what that leaves unknown.
+// reprojects its newest mask to the predicted views first, and asks only for what that leaves unknown.
 //
 // Client-positions: the client draws the depth of the views it asks for and sends the positions of their
 // pixels. The server traces shadow rays from these positions and draws nothing. The client reprojects the
@@ -14,8 +14,8 @@
 #include "stereo/frame/position_grid.h"
 #include "stereo/scene/moving_bounds.h"
 #include "stereo/wire/plane_codec.h"
-#include "vr_client/modes/asking.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/partial_request.h"
 
 namespace farshade {
 namespace {
@@ -27,7 +27,7 @@ SceneMotion motion_of(const Renderer& renderer) {
 /// Adds what was drawn before the request to what was drawn after it.
 void add_depth(const DrawTimes& before, DrawTimes& drawn) {
   drawn.depth += before.depth;
-  drawn.carry += before.carry;
+  drawn.request_reprojection += before.request_reprojection;
   drawn.triangles.depth += before.triangles.depth;
 }
 
@@ -42,48 +42,48 @@ class Hybrid final : public ModePipeline {
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
         coding_(context.mode.mask_code == MaskCode::Lz4 ? Coding::Lz4 : Coding::AfterLast),
-        exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
-        surround_(asks_for_parts() ? context.link : nullptr, context.policy, motion_of(context.renderer)),
-        asking_(context.renderer),
+        mask_stream_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
+        cube_mask_(asks_for_parts() ? context.link : nullptr, context.policy, motion_of(context.renderer)),
+        partial_request_(context.renderer),
         masks_(context.renderer.anything_moves()) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks, .coding = coding_});
-    if (surround_.plan(inputs, exchange_.lead(inputs.period))) surround_.send(inputs);
-    asking_.skip();
-    if (request != nullptr && asks_for_parts() && exchange_.takes_parts()) {
+    FrameRequest* const request = mask_stream_.plan(inputs, {.kind = Answer::Masks, .coding = coding_});
+    if (cube_mask_.plan(inputs, mask_stream_.lead(inputs.period))) cube_mask_.send(inputs);
+    partial_request_.skip();
+    if (request != nullptr && asks_for_parts() && mask_stream_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
-      const RequestRecord* const newest = exchange_.newest_settled(inputs);
+      const RequestRecord* const newest = mask_stream_.newest_settled(inputs);
       const RequestRecord* const base = inputs.settings.request.asks == Asks::Unknown ? newest : nullptr;
-      asking_.prepare(*request, exchange_.next_slot(), base, hidden_in(*request, inputs));
+      partial_request_.prepare(*request, mask_stream_.next_slot(), base, hidden_in(*request, inputs));
     }
-    exchange_.send(inputs, asking_.parts());
-    surround_.send(inputs);
+    mask_stream_.send(inputs, partial_request_.parts());
+    cube_mask_.send(inputs);
     return request_ = request;
   }
 
   void collect(const FrameInputs& inputs) override {
-    const auto usable = exchange_.receive(inputs);
-    masks_.take(usable, exchange_.settled());
-    surround_.receive(inputs);
+    const auto usable = mask_stream_.receive(inputs);
+    masks_.take(usable, mask_stream_.settled());
+    cube_mask_.receive(inputs);
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    const RequestRecord* const undrawn = asking_.drawn() ? nullptr : exchange_.record(request_);
-    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, exchange_, &surround_);
-    if (asking_.drawn()) add_depth(*asking_.drawn(), drawn.drawn);
+    const RequestRecord* const undrawn = partial_request_.drawn() ? nullptr : mask_stream_.record(request_);
+    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, mask_stream_, &cube_mask_);
+    if (partial_request_.drawn()) add_depth(*partial_request_.drawn(), drawn.drawn);
     return drawn;
   }
 
  private:
-  /// A block of masks holds whole views, and none of the surround.
+  /// A block of masks holds whole views, and none of the cube mask.
   [[nodiscard]] bool asks_for_parts() const { return coding_ != Coding::Lz4; }
 
   Renderer& renderer_;
   Coding coding_;
-  Exchange exchange_;
-  Surround surround_;
-  Asking asking_;
+  MaskStream mask_stream_;
+  CubeMask cube_mask_;
+  PartialRequest partial_request_;
   MaskSources masks_;
   const FrameRequest* request_ = nullptr;
 };
@@ -97,28 +97,28 @@ class ClientPositions final : public ModePipeline {
  public:
   explicit ClientPositions(const RunContext& context)
       : context_(context),
-        exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
+        mask_stream_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         masks_(context.renderer.anything_moves()),
         bounds_(context.scene) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
-    FrameRequest* const request = exchange_.plan(inputs, answer());
+    FrameRequest* const request = mask_stream_.plan(inputs, answer());
     if (request == nullptr) return nullptr;
     pack(*request, hidden_in(*request, inputs));
     request->answer.slices = narrow<std::uint32_t>(messages_used_);
-    exchange_.send(inputs, {.messages = std::span(messages_).first(messages_used_)});
+    mask_stream_.send(inputs, {.messages = std::span(messages_).first(messages_used_)});
     return request;
   }
 
   void collect(const FrameInputs& inputs) override {
-    const auto usable = exchange_.receive(inputs);
-    masks_.take(usable, exchange_.settled());
+    const auto usable = mask_stream_.receive(inputs);
+    masks_.take(usable, mask_stream_.settled());
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
     // pack() has kept the depth of the requested views.
-    DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, exchange_);
+    DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, mask_stream_);
     add_depth(drawn_, drawn.drawn);
     return drawn;
   }
@@ -130,7 +130,7 @@ class ClientPositions final : public ModePipeline {
 
   /// Writes the positions of the pixels of the requested views into messages.
   void pack(const FrameRequest& request, const PerEye<HiddenArea>& hidden) {
-    drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_, &hidden);
+    drawn_ = context_.renderer.keep_depth(request, mask_stream_.next_slot(), distances_, &hidden);
     const Bounds bounds = bounds_.at(request.scene_time);
     const PositionGrid grid = grid_of({bounds.low}, {bounds.high}, context_.mode.position_bits);
     messages_used_ = 0;
@@ -149,7 +149,7 @@ class ClientPositions final : public ModePipeline {
   }
 
   const RunContext& context_;
-  Exchange exchange_;
+  MaskStream mask_stream_;
   MaskSources masks_;
   MovingBounds bounds_;
   DrawTimes drawn_;
@@ -177,10 +177,10 @@ TracedMask mask_of(const RequestRecord& record) {
           request.scene_time,
           request.views,
           record.masks,
-          record.known_tiles,
+          record.received_tiles,
           std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
           record.light_set_revision,
-          &request.asked,
+          &request.requested,
           record.origin.requested_at};
 }
 
@@ -204,32 +204,32 @@ Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
 }
 
 DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
-                             Exchange& exchange, const Surround* surround) {
-  CarryOver carry_over = inputs.settings.carry_over;
-  carry_over.lookup = lookup(inputs.shown, carry_over.lookup);
-  const std::vector<FaceRequest> faces = surround ? surround->asked() : std::vector<FaceRequest>{};
-  const auto around = surround ? surround->masks() : std::span<const TracedMask>{};
+                             MaskStream& mask_stream, const CubeMask* cube_mask) {
+  Reprojection reprojection = inputs.settings.reprojection;
+  reprojection.lookup = lookup(inputs.shown, reprojection.lookup);
+  const std::vector<FaceRequest> faces = cube_mask ? cube_mask->requested() : std::vector<FaceRequest>{};
+  const auto around = cube_mask ? cube_mask->masks() : std::span<const TracedMask>{};
   DrawnFrame drawn{.drawn = renderer.draw({.views = inputs.shown.views,
                                            .state = inputs.state,
                                            .request = record ? &record->request : nullptr,
                                            .masks = masks_,
-                                           .surround = around,
-                                           .carry_over = carry_over,
+                                           .cube_mask = around,
+                                           .reprojection = reprojection,
                                            .report = inputs.settings.report,
                                            .request_slot = record ? record->slot : 0,
                                            .faces = faces,
                                            .hidden = inputs.hidden}),
-                   .surround = around,
-                   .surround_cost = surround ? surround->cost() : SurroundCost{}};
+                   .cube_mask = around,
+                   .cube_mask_cost = cube_mask ? cube_mask->cost() : CubeMaskCost{}};
   // The renderer passes over masks without depth.
   const RequestRecord* first = nullptr;
   drawn_with_.clear();
   for (std::size_t i = 0; i < masks_.size(); ++i) {
-    if (carry_over.lookup != Lookup::Direct && !renderer.has_depth(masks_[i].frame)) continue;
+    if (reprojection.lookup != Lookup::Direct && !renderer.has_depth(masks_[i].frame)) continue;
     if (first == nullptr) first = records_[i];
     drawn_with_.push_back(masks_[i]);
   }
-  if (first != nullptr) exchange.drawn_with(inputs, *first);
+  if (first != nullptr) mask_stream.drawn_with(inputs, *first);
   drawn.start_up = drawn_with_.empty();
   drawn.masks = drawn_with_;
   if (!records_.empty()) {

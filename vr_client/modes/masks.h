@@ -2,8 +2,8 @@
 /// the shader trusts them.
 #pragma once
 
-#include "vr_client/modes/exchange.h"
-#include "vr_client/modes/surround.h"
+#include "vr_client/modes/cube_mask.h"
+#include "vr_client/modes/mask_stream.h"
 
 namespace farshade {
 
@@ -26,10 +26,10 @@ class MaskSources {
   /// complete; otherwise `requested`.
   [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
 
-  /// Draws the G-buffer and shades it with the masks and those of the surround, which may be null. Keeps the
+  /// Draws the G-buffer and shades it with the masks and those of the cube mask, which may be null. Keeps the
   /// depth of the views of `record`, the record of this frame's request, unless it is null.
   DrawnFrame draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
-                  Exchange& exchange, const Surround* surround = nullptr);
+                  MaskStream& mask_stream, const CubeMask* cube_mask = nullptr);
 
  private:
   bool anything_moves_;

@@ -2,7 +2,7 @@
 // passes as its own G-buffer, and turns the picture to the shown pose. Of the scene it needs only the lights.
 #include <algorithm>
 
-#include "stereo/draw/turn_pass.h"
+#include "stereo/draw/timewarp_pass.h"
 #include "stereo/frame/tiles.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/masks.h"
@@ -13,7 +13,7 @@ namespace {
 class ServerGBuffer final : public ModePipeline {
  public:
   explicit ServerGBuffer(const RunContext& context)
-      : context_(context), exchange_(context.link, context.policy, context.settings.request) {}
+      : context_(context), mask_stream_(context.link, context.policy, context.settings.request) {}
 
   void draw_ahead(const FrameInputs& inputs) override {
     const StereoView& views = inputs.shown.views;
@@ -22,20 +22,20 @@ class ServerGBuffer final : public ModePipeline {
       for (PixelPlane& plane : planes_of(empty, kind))
         plane = {views[0].size, kind == PlaneKind::BaseColor ? 3u : 4u};
     context_.renderer.draw_received(empty,
-                                    {.views = views, .state = inputs.state, .masks = {}, .carry_over = {}});
-    context_.renderer.turn_shown(views, views);
+                                    {.views = views, .state = inputs.state, .masks = {}, .reprojection = {}});
+    context_.renderer.timewarp_shown(views, views);
   }
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    const FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::GBuffer});
-    exchange_.send(inputs);
+    const FrameRequest* const request = mask_stream_.plan(inputs, {.kind = Answer::GBuffer});
+    mask_stream_.send(inputs);
     return request;
   }
 
   /// Takes the newest answer that is complete or whose report has come; before there is one, the newest.
   void collect(const FrameInputs& inputs) override {
     newest_ = nullptr;
-    for (const RequestRecord* frame : exchange_.receive(inputs)) {
+    for (const RequestRecord* frame : mask_stream_.receive(inputs)) {
       if (frame->gbuffer.tiles == 0) continue;
       if (newest_ == nullptr) newest_ = frame;
       if (!frame->complete() && !frame->report) continue;
@@ -54,9 +54,9 @@ class ServerGBuffer final : public ModePipeline {
     const TracedMask mask = mask_of(*newest_);
     DrawTimes drawn = context_.renderer.draw_received(
         covered(newest_->gbuffer),
-        {.views = made_for.views, .state = state, .masks = {&mask, 1}, .carry_over = {}});
-    const DrawTimes turned = context_.renderer.turn_shown(made_for.views, inputs.shown.views);
-    drawn.turn += turned.turn;
+        {.views = made_for.views, .state = state, .masks = {&mask, 1}, .reprojection = {}});
+    const DrawTimes turned = context_.renderer.timewarp_shown(made_for.views, inputs.shown.views);
+    drawn.timewarp += turned.timewarp;
     drawn.total += turned.total;
     return {.drawn = drawn,
             .as = ShownAs::Picture,
@@ -74,7 +74,8 @@ class ServerGBuffer final : public ModePipeline {
       PixelPlane& depth = partly_.depth[eye];
       const TileGrid grid{depth.size};
       for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-        if (received.known_tiles[0][eye][tile] != 0 && received.known_tiles[1][eye][tile] != 0) continue;
+        if (received.received_tiles[0][eye][tile] != 0 && received.received_tiles[1][eye][tile] != 0)
+          continue;
         const TileRect rect = grid.rect(tile);
         for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
           std::fill_n(&depth.words[std::size_t{y} * depth.size.width + rect.x0], rect.x1 - rect.x0, 0u);
@@ -85,7 +86,7 @@ class ServerGBuffer final : public ModePipeline {
 
   const RunContext& context_;
   GBufferPlanes partly_;
-  Exchange exchange_;
+  MaskStream mask_stream_;
   const RequestRecord* newest_ = nullptr;
 };
 

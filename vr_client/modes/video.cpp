@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stereo/draw/turn_pass.h"
-#include "vr_client/modes/exchange.h"
+#include "stereo/draw/timewarp_pass.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/mask_stream.h"
 
 namespace farshade {
 namespace {
@@ -76,7 +76,7 @@ class VideoStream {
 
   const RunContext& context_;
   Answer answer_;
-  Exchange exchange_;
+  MaskStream mask_stream_;
   VideoChain chain_;
   std::optional<Picture> picture_;
   std::optional<FrameId>
@@ -87,17 +87,19 @@ class VideoStream {
 };
 
 VideoStream::VideoStream(const RunContext& context, Answer answer)
-    : context_(context), answer_(answer), exchange_(context.link, context.policy, context.settings.request) {}
+    : context_(context),
+      answer_(answer),
+      mask_stream_(context.link, context.policy, context.settings.request) {}
 
 const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
   const Duration interval = inputs.period * std::max(inputs.settings.request.every, 1u);
   const FrameRequest* const request =
-      exchange_.plan(inputs, {.kind = answer_,
-                              .bits_per_second = context_.mode.bits_per_second,
-                              .interval = interval,
-                              .coding = needed_coding()});
+      mask_stream_.plan(inputs, {.kind = answer_,
+                                 .bits_per_second = context_.mode.bits_per_second,
+                                 .interval = interval,
+                                 .coding = needed_coding()});
   if (request != nullptr && request->answer.coding == Coding::Alone) key_asked_ = request->frame;
-  exchange_.send(inputs);
+  mask_stream_.send(inputs);
   return request;
 }
 
@@ -107,7 +109,7 @@ Coding VideoStream::needed_coding() const {
 }
 
 void VideoStream::collect(const FrameInputs& inputs) {
-  const auto received = exchange_.receive(inputs);
+  const auto received = mask_stream_.receive(inputs);
   const Stopwatch watch;
   for (std::size_t newer = received.size(); newer-- > 0;) {
     const RequestRecord& frame = *received[newer];
@@ -115,7 +117,7 @@ void VideoStream::collect(const FrameInputs& inputs) {
     if (is_due(frame, received.first(newer))) decode(frame);
   }
   decoding_ = watch.elapsed();
-  if (const RequestRecord* const shown = this->received()) exchange_.drawn_with(inputs, *shown);
+  if (const RequestRecord* const shown = this->received()) mask_stream_.drawn_with(inputs, *shown);
 }
 
 /// A unit that lacks parts is decoded when a newer one is complete or reported, or one display frame after
@@ -139,7 +141,7 @@ void VideoStream::decode(const RequestRecord& frame) {
 }
 
 const RequestRecord* VideoStream::received() const {
-  return picture_ ? context_.link->inbox().find(picture_->request.frame) : nullptr;
+  return picture_ ? context_.link->receiver().find(picture_->request.frame) : nullptr;
 }
 
 std::optional<Duration> VideoStream::age(const FrameInputs& inputs) const {
@@ -160,7 +162,7 @@ class Remote final : public ModePipeline {
     const StereoView& shown = inputs.shown.views;
     if (picture == nullptr) return draw_black(context_.renderer, shown);
     const StereoView& from = picture->request.views;
-    return {.drawn = context_.renderer.show_turned(picture->eyes, from, shown),
+    return {.drawn = context_.renderer.show_timewarped(picture->eyes, from, shown),
             .as = ShownAs::Picture,
             .newest = stream_.received(),
             .age = stream_.age(inputs),
@@ -181,7 +183,7 @@ class Delta final : public ModePipeline {
     static_cast<void>(draw(inputs));
     const StereoView& views = inputs.shown.views;
     context_.renderer.draw_with_difference(
-        {.views = views, .state = inputs.state, .masks = {}, .carry_over = {}},
+        {.views = views, .state = inputs.state, .masks = {}, .reprojection = {}},
         {Image<Rgb8>(views[0].size), Image<Rgb8>(views[1].size)}, views);
   }
 
@@ -192,7 +194,7 @@ class Delta final : public ModePipeline {
     const ShownFrame frame{.views = inputs.shown.views,
                            .state = inputs.state,
                            .masks = {},
-                           .carry_over = {},
+                           .reprojection = {},
                            .hidden = inputs.hidden};
     const VideoStream::Picture* const picture = stream_.picture();
     if (picture == nullptr)

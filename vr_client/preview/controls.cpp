@@ -119,11 +119,11 @@ void change_view(Command command, Controls& controls) {
   if (command == Command::Help) controls.help = !controls.help;
 }
 
-void change_carry_over(Command command, Controls& controls) {
+void change_reprojection(Command command, Controls& controls) {
   RequestSettings& request = controls.settings.request;
-  CarryOver& carry_over = controls.settings.carry_over;
+  Reprojection& reprojection = controls.settings.reprojection;
   if (command == Command::Reprojection)
-    carry_over.lookup = carry_over.lookup == Lookup::Reproject ? Lookup::Direct : Lookup::Reproject;
+    reprojection.lookup = reprojection.lookup == Lookup::Reproject ? Lookup::Direct : Lookup::Reproject;
   if (command == Command::NextPredictor) {
     const auto* const now = std::ranges::find(kPredictorKinds, request.predictor);
     request.predictor = now + 1 == std::end(kPredictorKinds) ? *kPredictorKinds : *(now + 1);
@@ -243,7 +243,7 @@ void execute(Command command, Controls& controls, const ControlContext& context)
   if (!controls.offers(command)) return;
   change_view(command, controls);
   change_mode(command, controls);
-  change_carry_over(command, controls);
+  change_reprojection(command, controls);
   change_scene(command, controls, context);
   change_time(command, controls);
   change_head(command, controls, context);

@@ -42,9 +42,9 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
                    .collect = times.collect,
                    .gbuffer = times.gbuffer,
                    .depth = times.depth,
-                   .shade = times.maps + times.shade + times.turn,
+                   .shade = times.maps + times.shade + times.timewarp,
                    .other = not_below_zero(times.total - times.gbuffer - times.depth - times.maps -
-                                           times.shade - times.turn),
+                                           times.shade - times.timewarp),
                    .watch = watch});
   if (bars_.size() > kGraphFrames) bars_.pop_front();
 

@@ -10,8 +10,8 @@ struct KeptMask {
   explicit KeptMask(const TracedMask& mask)
       : views(mask.views),
         masks(mask.masks),
-        known_tiles(mask.known_tiles),
-        asked(mask.asked ? std::optional(*mask.asked) : std::nullopt),
+        received_tiles(mask.received_tiles),
+        requested(mask.requested ? std::optional(*mask.requested) : std::nullopt),
         frame(mask.frame) {}
 
   [[nodiscard]] TracedMask traced() const {
@@ -20,14 +20,14 @@ struct KeptMask {
             .scene_time = {},
             .views = views,
             .masks = masks,
-            .known_tiles = known_tiles,
-            .asked = asked ? &*asked : nullptr};
+            .received_tiles = received_tiles,
+            .requested = requested ? &*requested : nullptr};
   }
 
   StereoView views;
   PerEye<EyeMask> masks;
-  PerEye<KnownTiles> known_tiles;
-  std::optional<AskedBlocks> asked;
+  PerEye<ReceivedTiles> received_tiles;
+  std::optional<RequestedBlocks> requested;
   FrameId frame;
 };
 

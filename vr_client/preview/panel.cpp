@@ -96,7 +96,7 @@ void draw_requests(Controls& controls, const PanelFacts& facts) {
                        ImGuiSliderFlags_AlwaysClamp))
     controls.settings.request.guard_band_percent =
         static_cast<std::uint32_t>(std::clamp(band, 0, static_cast<int>(kWidestBand_percent)));
-  box("reprojection", controls.settings.carry_over.lookup == Lookup::Reproject, Command::Reprojection,
+  box("reprojection", controls.settings.reprojection.lookup == Lookup::Reproject, Command::Reprojection,
       controls, facts.context);
   ImGui::SameLine();
   box("band on", controls.settings.request.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,

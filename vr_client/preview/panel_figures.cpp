@@ -53,7 +53,7 @@ void error_rows(const PerEye<EyeErrors>& errors) {
   row("from newest", both(&EyeErrors::newest, 100, " %"));
   row("other eye", both(&EyeErrors::other_eye, 100, " %"));
   row("older", both(&EyeErrors::older, 100, " %"));
-  row("surround", both(&EyeErrors::surround, 100, " %"));
+  row("cube mask", both(&EyeErrors::cube_mask, 100, " %"));
   row("neighbours", both(&EyeErrors::neighbours, 100, " %"));
   row("unknown", both(&EyeErrors::unknown, 100, " %"));
 }

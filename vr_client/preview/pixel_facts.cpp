@@ -7,7 +7,7 @@ namespace {
 
 std::string source_of(std::uint8_t source) {
   if (source == kSourceUnknown) return "unknown: no mask has this point";
-  if (is_face(source)) return "the surround";
+  if (is_face(source)) return "the cube mask";
   const bool beside = (source & kNeighbour) != 0;
   const auto index = static_cast<std::uint8_t>(source & ~kNeighbour);
   const std::size_t mask = mask_of(index);

@@ -48,8 +48,8 @@ class Recordings {
   void toggle_frames();
   [[nodiscard]] bool records_frames() const { return frames_.has_value(); }
 
-  /// `capture_NNNN.farshade`. Call listen() before the link meets the server, and begin_capture() before the
-  /// first frame. The returned listener is valid as long as this object lives.
+  /// `capture_NNNN.farshade`. Call listen() before the link connects to the server, and begin_capture()
+  /// before the first frame. The returned listener is valid as long as this object lives.
   [[nodiscard]] LinkListener listen();
   /// An empty `path` selects a new file in the output folder. An existing file at another path is refused.
   void begin_capture(const std::filesystem::path& path, const CaptureHeader& header);

@@ -55,9 +55,9 @@ bool light_fields(ByteReader& io, LightChanges& changes) {
 bool settings_fields(auto& io, Either<FrameSettings> auto& settings) {
   return io.code(settings.request.predictor) && io.code(settings.request.guard_band) &&
          io.u32(settings.request.every) && io.u32(settings.request.guard_band_percent) &&
-         io.code(settings.carry_over.lookup) && io.code(settings.carry_over.eyes) &&
-         io.code(settings.carry_over.gaps) && io.code(settings.carry_over.edges) && io.code(settings.scene) &&
-         light_fields(io, settings.lights);
+         io.code(settings.reprojection.lookup) && io.code(settings.reprojection.eyes) &&
+         io.code(settings.reprojection.gaps) && io.code(settings.reprojection.edges) &&
+         io.code(settings.scene) && light_fields(io, settings.lights);
 }
 
 // ---- Ranges
@@ -94,10 +94,11 @@ Verdict verdict_on(const FrameSettings& settings) {
       std::ranges::find(kPredictorKinds, settings.request.predictor) != std::end(kPredictorKinds) &&
       is_one_of(settings.request.guard_band, GuardBandUse::Measured) && settings.request.every <= kMaxEvery &&
       settings.request.guard_band_percent <= kWidestBand_percent &&
-      is_one_of(settings.carry_over.lookup, Lookup::Direct) &&
-      is_one_of(settings.carry_over.eyes, Eyes::Both) &&
-      is_one_of(settings.carry_over.gaps, Gaps::Neighbours) &&
-      is_one_of(settings.carry_over.edges, Edges::Coverage) && is_one_of(settings.scene, SceneClock::Paused);
+      is_one_of(settings.reprojection.lookup, Lookup::Direct) &&
+      is_one_of(settings.reprojection.eyes, Eyes::Both) &&
+      is_one_of(settings.reprojection.gaps, Gaps::Neighbours) &&
+      is_one_of(settings.reprojection.edges, Edges::Coverage) &&
+      is_one_of(settings.scene, SceneClock::Paused);
   return codes ? verdict_on_lights(settings.lights) : WireRefusal::Code;
 }
 

@@ -40,7 +40,7 @@ struct CaptureHeader {
   MaskOrigin origin = MaskOrigin::Nobody;
   RendererLimits limits;       ///< traced_size is size or largest_traced(size)
   double detail_px = 0;        ///< limit of the geometric error of the drawn levels of detail
-  std::uint32_t requests = 0;  ///< number of requests that the AnswerInbox remembers
+  std::uint32_t requests = 0;  ///< number of requests that the FrameReceiver remembers
   double refresh_hz = 0;
   Exposure exposure{};  ///< until a Welcome says another
   MaskPolicy policy;

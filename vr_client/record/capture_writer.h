@@ -1,6 +1,6 @@
 /// CaptureWriter: writes a capture file during a run. Its listener must be given to the link before the link
-/// meets the server. The writer appends each frame as soon as the frame was shown: a program that is killed
-/// leaves all complete frames, and no end record.
+/// connects to the server. The writer appends each frame as soon as the frame was shown: a program that is
+/// killed leaves all complete frames, and no end record.
 #pragma once
 
 #include <cstdio>

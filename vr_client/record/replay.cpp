@@ -48,12 +48,12 @@ void CaptureLink::take(std::span<const CapturedMessage> messages) {
     const Decoded<ServerMessage> message = decode_server(captured.bytes);
     if (!message) continue;
     if (const auto* const welcome = std::get_if<Welcome>(&*message)) {
-      inbox_.begin(*welcome);
+      receiver_.begin(*welcome);
       welcomed_ = true;
     } else if (const auto* const slice = std::get_if<Slice>(&*message)) {
-      inbox_.take(*slice, captured.arrived);
+      receiver_.take(*slice, captured.arrived);
     } else if (const auto* const report = std::get_if<FrameReport>(&*message)) {
-      inbox_.take(*report, captured.arrived);
+      receiver_.take(*report, captured.arrived);
     }
   }
   busy_ += watch.elapsed();
@@ -63,7 +63,7 @@ void CaptureLink::request(const FrameRequest& request, Time requested_at, const 
   if (!frame_->request && !was_welcomed_) return;
   requested_ = true;
   const Time now = frame_->request ? frame_->request->sent : Time{};
-  const FrameRequest sent = inbox_.ask(request, requested_at, now, parts.carried);
+  const FrameRequest sent = receiver_.ask(request, requested_at, now, parts.reprojected);
   difference_ = frame_->request ? difference_of(sent, frame_->request->request)
                                 : "sends a request that was not captured";
 }
@@ -71,7 +71,7 @@ void CaptureLink::request(const FrameRequest& request, Time requested_at, const 
 bool CaptureLink::wait_for(FrameId frame, Duration) {
   take(std::span(frame_->after).subspan(taken_));
   taken_ = frame_->after.size();
-  return inbox_.is_whole(frame);
+  return receiver_.is_whole(frame);
 }
 
 std::optional<std::string> CaptureLink::end() {

@@ -4,7 +4,7 @@
 /// wall-clock time.
 #pragma once
 
-#include "vr_client/link/answer_inbox.h"
+#include "vr_client/link/frame_receiver.h"
 #include "vr_client/record/capture_reader.h"
 
 namespace farshade {
@@ -12,9 +12,9 @@ namespace farshade {
 /// Replays the messages of a capture. Each message arrives in the same frame as in the captured run, and
 /// before or after the request as it did then. The link compares the requests of the replay with the captured
 /// ones. It never waits.
-class CaptureLink final : public AnswerLink {
+class CaptureLink final : public ServerConnection {
  public:
-  explicit CaptureLink(const CaptureHeader& header) : inbox_(header.requests, MaskLayout{header.lights}) {}
+  explicit CaptureLink(const CaptureHeader& header) : receiver_(header.requests, MaskLayout{header.lights}) {}
 
   /// Begins a frame. `frame` must live until the next call.
   void begin(const CapturedFrame& frame);
@@ -31,14 +31,14 @@ class CaptureLink final : public AnswerLink {
   bool wait_for(FrameId frame, Duration timeout) override;
 
   [[nodiscard]] bool takes_parts() const override { return false; }
-  [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
+  [[nodiscard]] const FrameReceiver& receiver() const override { return receiver_; }
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   [[nodiscard]] Duration busy() const override { return busy_; }
 
  private:
   void take(std::span<const CapturedMessage> messages);
 
-  AnswerInbox inbox_;
+  FrameReceiver receiver_;
   bool welcomed_ = false;      ///< a Welcome was received
   bool was_welcomed_ = false;  ///< as welcomed_, when the current frame began
   const CapturedFrame* frame_ = nullptr;
@@ -81,7 +81,7 @@ class Replay final : public Runtime {
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
 
   /// Null if the captured run had no server.
-  [[nodiscard]] AnswerLink* link() { return link_ ? &*link_ : nullptr; }
+  [[nodiscard]] ServerConnection* link() { return link_ ? &*link_ : nullptr; }
   [[nodiscard]] const FrameSettings& settings() const { return settings_; }
 
   /// Compares the current frame, which was shown as these pictures.

@@ -41,8 +41,8 @@ constexpr const char *kByClient = "By the client's clock around the step, in eac
                          "Counted at the client's socket between two frames, with headers of this "
                          "protocol but not of UDP and IP.",
                      *kByViews = "From the poses of the left eye, in each frame with an answer.",
-                     *kBySurround =
-                         "Summed over the answers of the surround that came during the frame; "
+                     *kByCubeMask =
+                         "Summed over the answers of the cube mask that came during the frame; "
                          "other frames have no value.",
                      *kByReference =
                          "Against a full trace at the shown pose, in every frame that --reference-every "
@@ -58,29 +58,29 @@ Figure stage(const char* name, Duration StageTimes::*time, ModeSet printed_in, c
 
 std::vector<Figure> client_figures() {
   using T = StageTimes;
-  return {
-      stage("frame", &T::frame, kAll,
-            "The client's work on a frame: request, collect masks and draw, without waiting for the "
-            "server or the display.",
-            kByClient),
-      stage("request", &T::request, kServed,
-            "Locating the views, animating the scene, predicting the views to ask for, and sending.",
-            kByClient),
-      stage("collect masks", &T::collect, kServed | in(Mode::Full),
-            "Decoding what has arrived; in mode full: tracing.", kByClient),
-      stage("draw", &T::total, kAll, "Recording, uploads, all passes on the device and the wait for them.",
-            kByClient),
-      stage("G-buffer", &T::gbuffer, kDraws, "Drawing depth, normals and materials of the shown views.",
-            kByDevice),
-      stage("depth of requested views", &T::depth, kMasks,
-            "Drawing the depth of the views that are asked for.", kByDevice),
-      stage("carry over to requested views", &T::carry, in(Mode::Hybrid),
-            "Carrying the newest mask over to the requested views, to find what to ask for.", kByDevice),
-      stage("shadow maps", &T::maps, in(Mode::Local), "Drawing the shadow maps that have changed.",
-            kByDevice),
-      stage("reproject and shade", &T::shade, kShades,
-            "Looking up the visibility of each light at each pixel, and shading.", kByDevice),
-      stage("turn", &T::turn, kPictures, "Turning a picture of the server to the shown views.", kByDevice)};
+  return {stage("frame", &T::frame, kAll,
+                "The client's work on a frame: request, collect masks and draw, without waiting for the "
+                "server or the display.",
+                kByClient),
+          stage("request", &T::request, kServed,
+                "Locating the views, animating the scene, predicting the views to ask for, and sending.",
+                kByClient),
+          stage("collect masks", &T::collect, kServed | in(Mode::Full),
+                "Decoding what has arrived; in mode full: tracing.", kByClient),
+          stage("draw", &T::total, kAll,
+                "Recording, uploads, all passes on the device and the wait for them.", kByClient),
+          stage("G-buffer", &T::gbuffer, kDraws, "Drawing depth, normals and materials of the shown views.",
+                kByDevice),
+          stage("depth of requested views", &T::depth, kMasks,
+                "Drawing the depth of the views that are asked for.", kByDevice),
+          stage("carry over to requested views", &T::request_reprojection, in(Mode::Hybrid),
+                "Reprojecting the newest mask to the requested views, to find what to ask for.", kByDevice),
+          stage("shadow maps", &T::maps, in(Mode::Local), "Drawing the shadow maps that have changed.",
+                kByDevice),
+          stage("reproject and shade", &T::shade, kShades,
+                "Looking up the visibility of each light at each pixel, and shading.", kByDevice),
+          stage("turn", &T::timewarp, kPictures, "Turning a picture of the server to the shown views.",
+                kByDevice)};
 }
 
 std::vector<Figure> triangle_figures() {
@@ -148,13 +148,13 @@ std::vector<Figure> server_counts() {
                   "Traced shadow rays as a share of those without any saving: one for each pixel and light.",
                   kByReport},
                  &FrameRecord::server, in(Mode::Hybrid), percent_of_full_trace),
-          figure({"server", "frame of the surround", "ms", "The server's work on answers of the surround.",
-                  kBySurround},
-                 &FrameRecord::surround, kInFilesOnly,
-                 [](const SurroundCost& cost) { return ms_of(cost.server); }),
-          figure({"server", "rays of the surround", "rays", "Primary and shadow rays of the surround.",
-                  kBySurround},
-                 &FrameRecord::surround, kInFilesOnly, [](const SurroundCost& cost) { return cost.rays; })};
+          figure({"server", "frame of the surround", "ms", "The server's work on answers of the cube mask.",
+                  kByCubeMask},
+                 &FrameRecord::cube_mask, kInFilesOnly,
+                 [](const CubeMaskCost& cost) { return ms_of(cost.server); }),
+          figure({"server", "rays of the surround", "rays", "Primary and shadow rays of the cube mask.",
+                  kByCubeMask},
+                 &FrameRecord::cube_mask, kInFilesOnly, [](const CubeMaskCost& cost) { return cost.rays; })};
 }
 
 std::vector<Figure> traffic_figures() {
@@ -173,8 +173,8 @@ std::vector<Figure> traffic_figures() {
               kByReport},
              &FrameRecord::server, kInFilesOnly, [](const Report& r) { return r.payload_bytes; }),
       figure({"wire", "bytes of the surround", "B",
-              "Bytes of the surround's messages before they are sealed.", kBySurround},
-             &FrameRecord::surround, kInFilesOnly, [](const SurroundCost& cost) { return cost.bytes; }),
+              "Bytes of the cube mask's messages before they are sealed.", kByCubeMask},
+             &FrameRecord::cube_mask, kInFilesOnly, [](const CubeMaskCost& cost) { return cost.bytes; }),
       figure({"wire", "rate of the path", "Mbit/s",
               "What the path from the server carries, by the server's estimate, which begins at 32 Mbit/s.",
               "From the arrivals that the client reports (docs/link.md), once for each answer."},
@@ -193,7 +193,7 @@ std::vector<Figure> age_and_head_figures() {
   return {
       figure({"wire", "asked for", "% of the views",
               "The part of the requested views that the request asks for.", kCounted},
-             &FrameRecord::asked, in(Mode::Hybrid), [](double share) { return share * 100; }),
+             &FrameRecord::requested, in(Mode::Hybrid), [](double share) { return share * 100; }),
       figure({"wire", "staleness", "ms",
               "Display time of the frame minus the display time that its newest answer was made for, without "
               "its sign.",
@@ -283,8 +283,8 @@ std::vector<Figure> source_figures(Side side) {
             "The share that comes from older masks of either eye, or from a newer one that is not "
             "complete.",
             [](const EyeErrors& e) { return 100 * e.older; }),
-      share("from the surround", "The share that comes from the surround (docs/surround.md).",
-            [](const EyeErrors& e) { return 100 * e.surround; }),
+      share("from the surround", "The share that comes from the cube mask (docs/cube-mask.md).",
+            [](const EyeErrors& e) { return 100 * e.cube_mask; }),
       share("neighbours", "The share that comes from the nearest pixel on the same surface.",
             [](const EyeErrors& e) { return 100 * e.neighbours; }),
       share("unknown", "The share without any source.", [](const EyeErrors& e) { return 100 * e.unknown; }),

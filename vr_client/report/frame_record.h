@@ -21,8 +21,8 @@ struct FrameRecord {
   std::optional<double> guard_band{};         ///< requested pixels beyond the shown ones, as a share of these
   std::optional<FrameReport> server{};        ///< of the answer that this frame was the first to show
   std::optional<PerEye<EyeErrors>> errors{};  ///< empty if no reference was traced
-  std::optional<double> asked{};              ///< the share of the requested views that the request asks for
-  std::optional<SurroundCost> surround{};     ///< set if answers of the surround came
+  std::optional<double> requested{};          ///< the share of the requested views that the request asks for
+  std::optional<CubeMaskCost> cube_mask{};    ///< set if answers of the cube mask came
   std::optional<LinkTraffic> traffic{};       ///< since the frame before
   bool silent = false;  ///< the server answered nothing; the summary leaves out all but the errors
 };

@@ -27,7 +27,7 @@ void for_covered(const ShownReport& shown, Extent size, const Visit& visit) {
 
 double& share_from(EyeErrors& errors, std::uint8_t source) {
   if (source >= kNeighbour) return errors.neighbours;
-  if (is_face(source)) return errors.surround;
+  if (is_face(source)) return errors.cube_mask;
   if (mask_of(source) > 0) return errors.older;
   return source == 0 ? errors.newest : errors.other_eye;
 }
@@ -68,7 +68,7 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   errors.covered = total / static_cast<double>(lights * reference.size().pixels());
   errors.mask_error = wrong / total;
   errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
-  for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.surround,
+  for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.cube_mask,
                         &errors.neighbours, &errors.unknown, &errors.stale})
     *share /= total;
   return errors;
@@ -124,7 +124,7 @@ MaskAges ages_of(const FrameView& view) {
     ages.push_back(view.age.value_or(Duration::zero()) + before_first);
   }
   ages.resize(kMaxMasks);
-  for (const TracedMask& mask : view.surround) ages.push_back(view.shown.display_time - mask.requested_at);
+  for (const TracedMask& mask : view.cube_mask) ages.push_back(view.shown.display_time - mask.requested_at);
   return ages;
 }
 

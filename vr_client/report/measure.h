@@ -13,7 +13,7 @@ namespace farshade {
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
-/// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from
+/// newest, other_eye, older, cube mask, neighbours and unknown add up to 1. If the mode shows a picture from
 /// the server, single lights cannot be distinguished, and all values but those of whole pictures are
 /// kNotMeasured. If an
 /// eye shows no surface, they are 0, and the log leaves them out.
@@ -24,7 +24,7 @@ struct EyeErrors {
   double newest = 0;       ///< share taken from this eye's newest mask
   double other_eye = 0;    ///< from the other eye's newest mask
   double older = 0;        ///< from older masks of either eye
-  double surround = 0;     ///< from the surround
+  double cube_mask = 0;    ///< from the cube mask
   double neighbours = 0;   ///< from the nearest pixel on the same surface
   double unknown = 0;      ///< share without a known visibility
   double stale = 0;        ///< share of all that is known but outdated, because something has moved since

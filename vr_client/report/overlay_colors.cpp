@@ -61,7 +61,7 @@ Rgb8 stale_tint(Rgb8 color) {
   return mixed(color, kStaleColor, 0.5f);
 }
 
-Rgb8 carried_tint(Rgb8 color) {
+Rgb8 reprojected_tint(Rgb8 color) {
   return Rgb8((glm::uvec3(color) + 255u) / 2u);
 }
 

@@ -9,7 +9,7 @@
 namespace farshade::overlay {
 
 inline constexpr Rgb8 kUnknownColor(255, 140, 0), kStaleColor(255, 40, 40), kThisEyeColor(60, 220, 90),
-    kOtherEyeColor(60, 210, 230), kNeighbourColor(240, 230, 60), kSurroundColor(235, 120, 220),
+    kOtherEyeColor(60, 210, 230), kNeighbourColor(240, 230, 60), kCubeMaskColor(235, 120, 220),
     kOutlineColor(0, 255, 170), kNotTracedColor(110, 20, 30);
 
 /// Multiplies a colour by a factor, which is clamped to 0..1.
@@ -41,8 +41,8 @@ inline constexpr Rgb8 kUnknownColor(255, 140, 0), kStaleColor(255, 40, 40), kThi
 
 /// Colour of a traced pixel that is not shown.
 [[nodiscard]] Rgb8 guard_band_tint(Rgb8 color);
-/// Of a source whose bits were carried over, not asked for: paler.
-[[nodiscard]] Rgb8 carried_tint(Rgb8 color);
+/// Of a source whose bits were reprojected, not asked for: paler.
+[[nodiscard]] Rgb8 reprojected_tint(Rgb8 color);
 
 /// The results of `get` for 0, 1, .. count - 1. A picture computes its colours once, not for each pixel.
 template <class Get>

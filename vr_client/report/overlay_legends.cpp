@@ -13,11 +13,11 @@ namespace {
 
 std::vector<LegendEntry> source_legend() {
   return {{kThisEyeColor, "newest mask of this eye, darker with age"},
-          {carried_tint(kThisEyeColor), "the same, carried over, not asked for"},
+          {reprojected_tint(kThisEyeColor), "the same, reprojected, not asked for"},
           {kOtherEyeColor, "newest mask of the other eye"},
           {older_color(1), "one mask older"},
           {older_color(3), "three masks older"},
-          {kSurroundColor, "the surround: coarse masks of all directions"},
+          {kCubeMaskColor, "the cube mask: coarse masks of all directions"},
           {kNeighbourColor, "the nearest pixel on the same surface"},
           {kUnknownColor, "unknown"},
           {kStaleColor, "red lines: outdated, something has moved"}};

@@ -196,19 +196,19 @@ Image<Rgb8> guard_band_picture(const OverlayInput& input) {
   return picture;
 }
 
-/// Makes the pixels paler whose bits in this eye's newest mask were carried over, not asked for.
-void mark_carried(const OverlayInput& input, Image<Rgb8>& picture) {
-  if (input.newest == nullptr || input.newest->asked == nullptr || input.report.sources.empty()) return;
+/// Makes the pixels paler whose bits in this eye's newest mask were reprojected, not asked for.
+void mark_reprojected(const OverlayInput& input, Image<Rgb8>& picture) {
+  if (input.newest == nullptr || input.newest->requested == nullptr || input.report.sources.empty()) return;
   const std::size_t eye = index_of(input.side);
   const TileGrid grid{input.newest->views[eye].size};
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
     if (input.report.sources[i] != 0) continue;
     const auto x = static_cast<std::uint32_t>(input.report.positions[i][0]),
                y = static_cast<std::uint32_t>(input.report.positions[i][1]);
-    const BlockBits asked =
-        input.newest->asked->at(eye, y / kTileSide_px * grid.columns() + x / kTileSide_px);
-    if ((asked & block_bit(x % kTileSide_px, y % kTileSide_px)) == 0)
-      picture.pixels[i] = carried_tint(picture.pixels[i]);
+    const BlockBits requested =
+        input.newest->requested->at(eye, y / kTileSide_px * grid.columns() + x / kTileSide_px);
+    if ((requested & block_bit(x % kTileSide_px, y % kTileSide_px)) == 0)
+      picture.pixels[i] = reprojected_tint(picture.pixels[i]);
   }
 }
 
@@ -220,7 +220,7 @@ Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Exte
     const auto mask = mask_of(static_cast<std::uint8_t>(source));
     if (source == kSourceUnknown || mask >= ages.size()) return kUnknownColor;
     const Rgb8 fresh = source >= kNeighbour ? kNeighbourColor
-                       : mask >= kMaxMasks  ? kSurroundColor
+                       : mask >= kMaxMasks  ? kCubeMaskColor
                        : mask > 0           ? older_color(mask)
                        : source == 0        ? kThisEyeColor
                                             : kOtherEyeColor;
@@ -243,7 +243,7 @@ Image<Rgb8> overlay_picture(Overlay overlay, const OverlayInput& input) {
       return input.shown;
     case Overlay::Source: {
       Image<Rgb8> picture = source_picture(input.report, input.ages, input.shown.size);
-      mark_carried(input, picture);
+      mark_reprojected(input, picture);
       return picture;
     }
     case Overlay::Age:

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "stereo/draw/carry_over.h"
+#include "stereo/draw/reprojection.h"
 #include "stereo/image/image.h"
 
 namespace farshade {
@@ -62,9 +62,9 @@ struct LegendEntry {
 /// the scene, and `light` the one that Overlay::Light shows.
 [[nodiscard]] std::vector<LegendEntry> legend(Overlay overlay, std::uint32_t lights, std::uint32_t light);
 
-/// The picture of Overlay::Source, except that overlay_picture makes pixels paler that were carried over, not
+/// The picture of Overlay::Source, except that overlay_picture makes pixels paler that were reprojected, not
 /// asked for. This eye's newest mask is green, the other eye's is cyan, older masks are blue to violet, the
-/// surround is pink, neighbouring pixels yellow and unknown pixels orange. Older masks are darker, down to
+/// cube mask is pink, neighbouring pixels yellow and unknown pixels orange. Older masks are darker, down to
 /// the age kOldestDrawn. Red lines, one pixel in four, mark outdated pixels. Pixels without geometry are
 /// black. `ages` has one entry per mask.
 [[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);

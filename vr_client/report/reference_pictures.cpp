@@ -40,7 +40,7 @@ PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& sta
   renderer.draw({.views = shown.views,
                  .state = state,
                  .masks = {&traced, 1},
-                 .carry_over = {.lookup = Lookup::Direct},
+                 .reprojection = {.lookup = Lookup::Direct},
                  .detail = Detail::Full});
   return renderer.read_shown();
 }

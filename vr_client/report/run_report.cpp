@@ -97,8 +97,8 @@ FrameRecord record_of(const FrameView& view) {
       .guard_band = guard_band_of(view),
       .server = {},
       .errors = {},
-      .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt,
-      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt,
+      .requested = view.request ? std::optional(part_of(view.request->requested)) : std::nullopt,
+      .cube_mask = view.cube_mask_cost.bytes > 0 ? std::optional(view.cube_mask_cost) : std::nullopt,
       .traffic = view.traffic,
       .silent = view.silent_since.has_value()};
   if (!view.masks.empty())

@@ -168,15 +168,16 @@ void write_frame(const auto& shown, TraceEvents& events) {
   events.add("collect", {starts.collect, starts.draw}, frame, shown.frame);
   events.add("draw", draw, frame, shown.frame);
 
-  // Before a request that asks for a part of its views their depth is drawn and a mask carried over.
-  const bool carries = shown.drawn.carry > Duration::zero();
-  if (carries) {
-    const std::array<TraceStage, 2> before{{{"depth", shown.drawn.depth}, {"carry", shown.drawn.carry}}};
-    const TimeSpan asked{std::max(starts.request, starts.collect - total_of(before)), starts.collect};
-    events.add_stages(before, asked, events.thread(TraceRow::Device, asked), shown.frame);
+  // Before a request that asks for a part of its views their depth is drawn and a mask reprojected.
+  const bool reprojects = shown.drawn.request_reprojection > Duration::zero();
+  if (reprojects) {
+    const std::array<TraceStage, 2> before{
+        {{"depth", shown.drawn.depth}, {"carry", shown.drawn.request_reprojection}}};
+    const TimeSpan requested{std::max(starts.request, starts.collect - total_of(before)), starts.collect};
+    events.add_stages(before, requested, events.thread(TraceRow::Device, requested), shown.frame);
   }
   const std::array<TraceStage, 3> passes{{{"G-buffer", shown.drawn.gbuffer},
-                                          {"depth", carries ? Duration::zero() : shown.drawn.depth},
+                                          {"depth", reprojects ? Duration::zero() : shown.drawn.depth},
                                           {"shade", shown.drawn.shade}}};
   const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
   events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
@@ -218,18 +219,18 @@ TimeSpan place_work(Time sent, Time first, Duration work) {
   return {begin, begin + work};
 }
 
-void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
+void Timeline::add(const FrameView& view, const FrameReceiver* receiver) {
   frames_.push_back({.frame = view.shown.frame, .starts = view.starts, .drawn = view.times});
-  if (inbox == nullptr) return;
+  if (receiver == nullptr) return;
   // Frame ids restart with each session: earlier requests are complete when a new session begins.
   if (frames_.size() > 1 && !is_newer(view.shown.frame, frames_[frames_.size() - 2].frame))
     settled_ = requests_.size();
   if (view.request)
-    if (const RequestRecord* const record = inbox->find(view.request->frame))
+    if (const RequestRecord* const record = receiver->find(view.request->frame))
       requests_.push_back({.exchange = {record->request.frame, record->origin.sent, {}, {}}});
   for (std::size_t i = settled_; i < requests_.size(); ++i) {
     ServerRequest& request = requests_[i];
-    const RequestRecord* const record = inbox->find(request.exchange.frame);
+    const RequestRecord* const record = receiver->find(request.exchange.frame);
     if (record) {
       request.exchange.first = record->first_piece;
       request.exchange.last = record->report_arrived;

@@ -25,10 +25,10 @@ struct TimeSpan {
 
 class Timeline {
  public:
-  /// Adds a frame as soon as it was shown, in order. `inbox` is the inbox of the run's link, with times on
-  /// the clock of `view.starts`; null without a server. If the server's report or slices of a request never
-  /// arrive, the timeline shows no work of the server for it. Needs about 250 bytes per frame.
-  void add(const FrameView& view, const AnswerInbox* inbox);
+  /// Adds a frame as soon as it was shown, in order. `receiver` is the frame receiver of the run's link, with
+  /// times on the clock of `view.starts`; null without a server. If the server's report or slices of a
+  /// request never arrive, the timeline shows no work of the server for it. Needs about 250 bytes per frame.
+  void add(const FrameView& view, const FrameReceiver* receiver);
 
   /// The JSON text, about 2 KB per frame. Process 1 is vr_client, with the threads `frame` (request, collect
   /// with its wait, draw), `device` (G-buffer, depth, shade: their lengths are measured, and they are placed

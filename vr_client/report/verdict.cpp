@@ -41,9 +41,11 @@ std::optional<TimeUse> time_use(const FrameLog& log, const std::string& group, c
 /// Display frames for each request. The server has so much time for an answer.
 double frames_per_request(const FrameLog& log) {
   const auto& records = log.records();
-  const auto asked = [](const FrameRecord& record) { return !record.silent && record.asked.has_value(); };
+  const auto requested = [](const FrameRecord& record) {
+    return !record.silent && record.requested.has_value();
+  };
   const auto loud = std::ranges::count(records, false, &FrameRecord::silent);
-  const auto requests = std::ranges::count_if(records, asked);
+  const auto requests = std::ranges::count_if(records, requested);
   return requests == 0 ? 1 : static_cast<double>(loud) / static_cast<double>(requests);
 }
 

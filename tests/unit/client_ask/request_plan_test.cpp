@@ -106,8 +106,8 @@ TEST(RequestPlan, TurnedPicturesAreWidenedForTurnsOnly) {
     return request->views[0].size.width;
   };
   EXPECT_GT(width(AnswerUse::Reprojected, steps), kShownSize.width);
-  EXPECT_EQ(width(AnswerUse::Turned, steps), kShownSize.width);
-  EXPECT_GT(width(AnswerUse::Turned, turn), kShownSize.width);
+  EXPECT_EQ(width(AnswerUse::Timewarped, steps), kShownSize.width);
+  EXPECT_GT(width(AnswerUse::Timewarped, turn), kShownSize.width);
 }
 
 TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {

@@ -13,7 +13,7 @@ using namespace link_test;
 struct HostileBench {
   HostileBench() {
     wire.while_waiting([this] { server.serve(); });
-    EXPECT_TRUE(link.meet(1s).has_value());
+    EXPECT_TRUE(link.connect(1s).has_value());
   }
   /// Lets what is on the way arrive.
   void pass() {
@@ -88,7 +88,7 @@ TEST(HostileServer, AFloodTakesAFrameNoMoreThanTheStatedTime) {
   EXPECT_LT(port.counters().received, FloodPort::kMost);
 }
 
-TEST(HostileServer, TilesThatAreKnownAreNotDecodedAgain) {
+TEST(HostileServer, TilesThatWereReceivedAreNotDecodedAgain) {
   HostileBench bench;
   bench.ask();
   const auto say = [&](std::uint32_t value) {
@@ -102,10 +102,10 @@ TEST(HostileServer, TilesThatAreKnownAreNotDecodedAgain) {
     bench.pass();
   };
   say(5);
-  const std::uint32_t first = bench.link.inbox().find({1})->masks[0].word(0, 0);
+  const std::uint32_t first = bench.link.receiver().find({1})->masks[0].word(0, 0);
   EXPECT_EQ(first, 5u);
   for (const std::uint32_t value : {2u, 3u, 4u}) say(value);
-  EXPECT_EQ(bench.link.inbox().find({1})->masks[0].word(0, 0), 5u) << "the first came first";
+  EXPECT_EQ(bench.link.receiver().find({1})->masks[0].word(0, 0), 5u) << "the first came first";
   EXPECT_GT(bench.link.counters().assembler.duplicates, 2u);
 }
 

@@ -143,7 +143,7 @@ struct LinkBench {
     std::optional<Time> came;
     on_event = [&] {
       for (std::uint32_t f = before + 1; f <= frame && !came; ++f)
-        if (const auto* got = link.inbox().find({f}); got != nullptr && got->anything_known())
+        if (const auto* got = link.receiver().find({f}); got != nullptr && got->anything_known())
           came = clock.now();
     };
     while (!came && clock.now() < begin + patience) run(kInterval);
@@ -168,11 +168,11 @@ struct LinkBench {
   std::function<void()> on_event;
 };
 
-struct MetBench : LinkBench {
-  explicit MetBench(const LinkModels& models = kSlow, std::size_t frames = kFrames)
+struct ConnectedBench : LinkBench {
+  explicit ConnectedBench(const LinkModels& models = kSlow, std::size_t frames = kFrames)
       : LinkBench(models, frames) {
     start_server();
-    EXPECT_TRUE(link.meet(2s).has_value());
+    EXPECT_TRUE(link.connect(2s).has_value());
   }
 };
 

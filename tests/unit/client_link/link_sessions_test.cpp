@@ -27,7 +27,7 @@ struct WatchedBench : LinkBench {
       return false;
     };
     start_server();
-    EXPECT_TRUE(link.meet(2s).has_value());
+    EXPECT_TRUE(link.connect(2s).has_value());
     run(500ms);
   }
   template <class Envelope>
@@ -61,7 +61,7 @@ TEST(LinkGoodbye, TheServerForgetsAClientThatEnds) {
   bench.start_server();
   {
     NetworkLink link(bench.client_port, bench.clock, bench.target, kFrames);
-    ASSERT_TRUE(link.meet(2s).has_value());
+    ASSERT_TRUE(link.connect(2s).has_value());
     EXPECT_EQ(bench.server->counters().sessions_open, 1u);
   }
   bench.pass(2 * kWay);
@@ -149,7 +149,7 @@ struct Restart {
 class LinkRestart : public testing::TestWithParam<Restart> {};
 
 TEST_P(LinkRestart, MasksAreBackWithinASecond) {
-  MetBench bench(each_way(GetParam().delay), kLong);
+  ConnectedBench bench(each_way(GetParam().delay), kLong);
   bench.run(500ms);
   if (!GetParam().hint)
     bench.on_answer = [](std::span<const std::byte> datagram) {
@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(Delays, LinkRestart,
                                          Restart{0ms, false}, Restart{25ms, false}, Restart{100ms, false}));
 
 TEST(LinkSession, EndsWithTheCureWhenTheServerComesBackWithAnotherScene) {
-  MetBench bench(kSlow, kLong);
+  ConnectedBench bench(kSlow, kLong);
   bench.run(500ms);
   Welcome other = kServed;
   other.scene_hash[0] ^= 1;
@@ -189,7 +189,7 @@ TEST(LinkSession, EndsWithTheCureWhenTheServerComesBackWithAnotherScene) {
 }
 
 TEST(LinkSession, OutlivesABusyServer) {
-  MetBench bench;
+  ConnectedBench bench;
   bench.trace_time = 700ms;  // as long as a round of many clients
   bench.run(10s);
   EXPECT_EQ(bench.link.counters().sessions, 1u);
@@ -199,7 +199,7 @@ TEST(LinkSession, OutlivesABusyServer) {
 }
 
 TEST(LinkSession, KnowsSinceWhenTheServerIsSilent) {
-  MetBench bench;
+  ConnectedBench bench;
   bench.run(2s);
   EXPECT_FALSE(bench.link.silent_since().has_value());
   bench.pass(5s);
@@ -219,7 +219,7 @@ TEST(LinkSession, KnowsSinceWhenTheServerIsSilent) {
 TEST(LinkSession, IsSilentFromTheFirstHelloOn) {
   LinkBench bench;
   EXPECT_FALSE(bench.link.silent_since().has_value()) << "nobody was greeted";
-  EXPECT_FALSE(bench.link.meet(3s).has_value());
+  EXPECT_FALSE(bench.link.connect(3s).has_value());
   EXPECT_EQ(bench.link.silent_since(), Time{});
 }
 
@@ -277,7 +277,7 @@ TEST(LinkSession, BeginsAlthoughSomebodyElseRefuses) {
     return false;
   };
   bench.start_server();
-  EXPECT_TRUE(bench.link.meet(2s).has_value());
+  EXPECT_TRUE(bench.link.connect(2s).has_value());
   EXPECT_FALSE(bench.link.refused().has_value());
 }
 
@@ -294,20 +294,20 @@ TEST(LinkSession, AForgedRefusalThatComesFirstDoesNotEndTheClient) {
     bench.wire.server().send(bench.wire.client().local(), refusal);
     return true;
   };
-  EXPECT_TRUE(bench.link.meet(3s).has_value());
+  EXPECT_TRUE(bench.link.connect(3s).has_value());
 }
 
 TEST(LinkSession, ARefusalIsNamedWhenPatienceIsOver) {
   LinkBench bench(each_way(5ms));
   bench.start_server(kServed, {}, {key_named("bob")});
-  const auto met = bench.link.meet(3s);
-  ASSERT_FALSE(met.has_value());
-  EXPECT_EQ(met.error().fault, Fault::Mismatch);
-  EXPECT_NE(met.error().what.find("has no key"), std::string::npos) << met.error().what;
+  const auto connected = bench.link.connect(3s);
+  ASSERT_FALSE(connected.has_value());
+  EXPECT_EQ(connected.error().fault, Fault::Mismatch);
+  EXPECT_NE(connected.error().what.find("has no key"), std::string::npos) << connected.error().what;
 }
 
 TEST(LinkSession, ContinuesAtOnceAfterSilence) {
-  MetBench bench(each_way(25ms), kLong);
+  ConnectedBench bench(each_way(25ms), kLong);
   bench.run(1s);
   bool silent = true;
   bench.on_answer = [&](std::span<const std::byte>) { return silent; };
@@ -323,7 +323,7 @@ TEST(LinkSession, ContinuesAtOnceAfterSilence) {
 
 TEST(LinkSession, FollowsItsClientWithinTwoRoundTrips) {
   for (const Duration delay : kSanitized ? std::vector{5ms} : std::vector{0ms, 5ms, 25ms, 100ms}) {
-    MetBench bench(each_way(delay), kLong);
+    ConnectedBench bench(each_way(delay), kLong);
     bench.run(500ms);
     for (int move = 0; move < 5; ++move) {
       bench.wire.move_client(0);
@@ -350,7 +350,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
     return false;
   };
   bench.start_server();
-  ASSERT_TRUE(bench.link.meet(2s).has_value());
+  ASSERT_TRUE(bench.link.connect(2s).has_value());
   bench.run(500ms);
   steal = true;
   const std::uint64_t before = bench.server->counters().frames;
@@ -366,7 +366,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   EXPECT_GT(got, 0u) << "the server sent it a probe";
   EXPECT_LE(got, stolen_bytes);
   std::size_t whole = 0;
-  for (const RequestRecord* frame : bench.link.inbox().received(Time::max()))
+  for (const RequestRecord* frame : bench.link.receiver().received(Time::max()))
     whole += frame->complete() ? 1 : 0;
   EXPECT_GE(whole, kLong - 4) << "slices go to the client";
 }
@@ -378,7 +378,7 @@ void change_lights_and_compare(LinkBench& bench, Duration time) {
   for (std::uint32_t n = 0; bench.clock.now() < until; ++n) {
     change(bench.lights, (n * 7 + n / 5) % 20, n % 3 != 0, LightPose{.position = {{n * 0.01, 1, 2}}});
     bench.run(kInterval);
-    for (const RequestRecord* frame : bench.link.inbox().received(Time::max())) {
+    for (const RequestRecord* frame : bench.link.receiver().received(Time::max())) {
       const LightChanges& traced = bench.traced_lights.at(frame->request.frame.value);
       ASSERT_EQ(frame->light_set_revision, traced.revision);
       for (const LightChange& believed : frame->request.lights.lights)
@@ -402,7 +402,7 @@ constexpr LinkModel kRough{.delay = 15ms, .jitter = 20ms, .loss = 0.3, .reorder 
 TEST(LinkSessions, APauseWithoutRequestsIsNoSilenceOfTheServer) {
   LinkBench bench;
   bench.start_server();
-  ASSERT_TRUE(bench.link.meet(1s));
+  ASSERT_TRUE(bench.link.connect(1s));
   bench.run(1s);
   const std::uint64_t hellos = bench.server->counters().gate.retries;
   bench.pass(3s);
@@ -414,7 +414,7 @@ TEST(LinkSessions, APauseWithoutRequestsIsNoSilenceOfTheServer) {
 /// that it then needs.
 std::uint64_t handshakes_after_rest(LinkBench& bench, bool keeps_alive) {
   bench.start_server();
-  EXPECT_TRUE(bench.link.meet(1s));
+  EXPECT_TRUE(bench.link.connect(1s));
   bench.lights = {};
   for (std::uint32_t light = 0; light < kLights; ++light) change(bench.lights, light, false, std::nullopt);
   bench.run(1s);
@@ -445,7 +445,7 @@ TEST(LinkLights, ChangesAreSentUntilAcknowledgedAndBothSidesAgree) {
     SCOPED_TRACE(seed);
     LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = seed}, kLong);
     bench.start_server();
-    ASSERT_TRUE(bench.link.meet(10s).has_value());
+    ASSERT_TRUE(bench.link.connect(10s).has_value());
     change_lights_and_compare(bench, 5s);
     expect_agreement(bench);
   }
@@ -454,7 +454,7 @@ TEST(LinkLights, ChangesAreSentUntilAcknowledgedAndBothSidesAgree) {
 TEST(LinkLights, ARestartedServerGetsAllChanges) {
   LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = 5}, kLong);
   bench.start_server();
-  ASSERT_TRUE(bench.link.meet(10s).has_value());
+  ASSERT_TRUE(bench.link.connect(10s).has_value());
   change_lights_and_compare(bench, 3s);
   for (int restart = 0; restart < 3; ++restart) {
     bench.start_server();

@@ -11,25 +11,25 @@ namespace {
 
 using namespace link_test;
 
-TEST(ShadowLinkMeet, IsWelcomedAfterTwoRoundTrips) {
+TEST(ShadowLinkConnect, IsWelcomedAfterTwoRoundTrips) {
   LinkBench bench;
   bench.start_server();
-  EXPECT_TRUE(bench.link.meet(3s).has_value());
+  EXPECT_TRUE(bench.link.connect(3s).has_value());
   EXPECT_TRUE(bench.link.last_received().has_value());
   EXPECT_EQ(bench.clock.now(), Time(4 * kWay));
   EXPECT_EQ(bench.link.counters().port.sent, 2u);
 }
 
-TEST(ShadowLinkMeet, SaysWhichSceneEachSideHasAndStopsAsking) {
+TEST(ShadowLinkConnect, SaysWhichSceneEachSideHasAndStopsAsking) {
   LinkBench bench;
   Welcome other = kServed;
   other.scene_hash = {0xAB, 0xCD};
   bench.start_server(other);
-  const Expected<void> met = bench.link.meet(3s);
-  ASSERT_FALSE(met.has_value());
-  EXPECT_EQ(met.error().fault, Fault::Mismatch);
-  EXPECT_NE(met.error().what.find("abcd0000"), std::string::npos) << met.error().what;
-  EXPECT_NE(met.error().what.find("01020300"), std::string::npos) << met.error().what;
+  const Expected<void> connected = bench.link.connect(3s);
+  ASSERT_FALSE(connected.has_value());
+  EXPECT_EQ(connected.error().fault, Fault::Mismatch);
+  EXPECT_NE(connected.error().what.find("abcd0000"), std::string::npos) << connected.error().what;
+  EXPECT_NE(connected.error().what.find("01020300"), std::string::npos) << connected.error().what;
   EXPECT_EQ(bench.clock.now(), Time(4 * kWay)) << "waiting longer would not help";
   bench.clock.advance_to(Time(5s));
   bench.ask(request(1));
@@ -37,48 +37,48 @@ TEST(ShadowLinkMeet, SaysWhichSceneEachSideHasAndStopsAsking) {
   EXPECT_TRUE(bench.link.refused().has_value());
 }
 
-TEST(ShadowLinkMeet, RefusesAServerWithAnotherNumberOfLights) {
+TEST(ShadowLinkConnect, RefusesAServerWithAnotherNumberOfLights) {
   LinkBench bench;
   Welcome other = kServed;
   other.light_count = kLights + 1;
   bench.start_server(other);
-  const Expected<void> met = bench.link.meet(3s);
-  ASSERT_FALSE(met.has_value());
-  EXPECT_EQ(met.error().fault, Fault::Mismatch);
+  const Expected<void> connected = bench.link.connect(3s);
+  ASSERT_FALSE(connected.has_value());
+  EXPECT_EQ(connected.error().fault, Fault::Mismatch);
   EXPECT_FALSE(bench.link.last_received().has_value());
 }
 
-TEST(ShadowLinkMeet, GivesUpOnAServerThatIsNotThereAfterItsPatience) {
+TEST(ShadowLinkConnect, GivesUpOnAServerThatIsNotThereAfterItsPatience) {
   LinkBench bench;
-  const Expected<void> met = bench.link.meet(3s);
-  ASSERT_FALSE(met.has_value());
-  EXPECT_EQ(met.error().fault, Fault::Missing);
-  EXPECT_NE(met.error().what.find(to_string(bench.wire.server().local())), std::string::npos);
+  const Expected<void> connected = bench.link.connect(3s);
+  ASSERT_FALSE(connected.has_value());
+  EXPECT_EQ(connected.error().fault, Fault::Missing);
+  EXPECT_NE(connected.error().what.find(to_string(bench.wire.server().local())), std::string::npos);
   EXPECT_EQ(bench.clock.now(), Time(3s));
   EXPECT_EQ(bench.link.counters().port.sent, 12u) << "a hello each 250 ms";
 }
 
-TEST(ShadowLinkMeet, SaysThatAServerIsFull) {
+TEST(ShadowLinkConnect, SaysThatAServerIsFull) {
   LinkBench bench;
   bench.start_server(kServed, {.sessions = 0});
-  const Expected<void> met = bench.link.meet(1s);
-  ASSERT_FALSE(met.has_value());
-  EXPECT_EQ(met.error().fault, Fault::Unavailable);
-  EXPECT_NE(met.error().what.find("no room"), std::string::npos);
+  const Expected<void> connected = bench.link.connect(1s);
+  ASSERT_FALSE(connected.has_value());
+  EXPECT_EQ(connected.error().fault, Fault::Unavailable);
+  EXPECT_NE(connected.error().what.find("no room"), std::string::npos);
   EXPECT_FALSE(bench.link.refused().has_value()) << "the server may have room later";
 }
 
 TEST(NetworkLink, ServesMasksBitForBit) {
-  MetBench bench;
+  ConnectedBench bench;
   bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
-  ASSERT_NE(bench.link.inbox().find({1}), nullptr);
-  EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
+  ASSERT_NE(bench.link.receiver().find({1}), nullptr);
+  EXPECT_EQ(bench.link.receiver().find({1})->masks, painted(1));
 }
 
 TEST(NetworkLink, GoesOnTryingAServerThatComesLate) {
   LinkBench bench;
-  EXPECT_FALSE(bench.link.meet(1s).has_value());
+  EXPECT_FALSE(bench.link.connect(1s).has_value());
   bench.start_server();
   bench.clock.advance_to(Time(2s));
   bench.ask(request(1));
@@ -91,21 +91,21 @@ TEST(NetworkLink, GoesOnTryingAServerThatComesLate) {
 TEST(NetworkLink, LostSlicesLeaveTheirTilesUnknownAndNothingElse) {
   LinkBench lossy({.to_server = {}, .to_client = {.loss = 0.4}, .seed = 3});
   lossy.start_server();
-  ASSERT_TRUE(lossy.link.meet(10s).has_value());
+  ASSERT_TRUE(lossy.link.connect(10s).has_value());
   std::size_t known = 0, unknown = 0;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
     lossy.ask(request(frame));
     lossy.pass(10ms);
-    const RequestRecord& received = *lossy.link.inbox().find({frame});
+    const RequestRecord& received = *lossy.link.receiver().find({frame});
     const PerEye<EyeMask> truth = painted(frame);
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::uint32_t tile = 0; tile < TileGrid{kSize}.count(); ++tile) {
-        ++(received.known_tiles[eye][tile] ? known : unknown);
+        ++(received.received_tiles[eye][tile] ? known : unknown);
         const TileRect rect = TileGrid{kSize}.rect(tile);
         for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
           for (std::uint32_t x = rect.x0; x < rect.x1; ++x)
             ASSERT_EQ(received.masks[eye].word(x, y),
-                      received.known_tiles[eye][tile] ? truth[eye].word(x, y) : 0u);
+                      received.received_tiles[eye][tile] ? truth[eye].word(x, y) : 0u);
       }
   }
   EXPECT_GT(known, unknown);
@@ -113,14 +113,14 @@ TEST(NetworkLink, LostSlicesLeaveTheirTilesUnknownAndNothingElse) {
 }
 
 TEST(NetworkLink, MasksComeNewestFirstAndNotBeyondUntil) {
-  MetBench bench;
+  ConnectedBench bench;
   for (std::uint32_t frame = 1; frame <= 4; ++frame) {
     bench.ask(request(frame, frame * 10ms));
     if (frame != 3) bench.pass(5 * kWay);
   }
   const auto frames = [&](Time until) {
     std::vector<std::uint32_t> values;
-    for (const RequestRecord* mask : bench.link.inbox().received(until))
+    for (const RequestRecord* mask : bench.link.receiver().received(until))
       values.push_back(mask->request.frame.value);
     return values;
   };
@@ -131,32 +131,32 @@ TEST(NetworkLink, MasksComeNewestFirstAndNotBeyondUntil) {
 }
 
 TEST(NetworkLink, OrdersFramesByRequestTimeAndNotByDisplayTime) {
-  MetBench bench;
+  ConnectedBench bench;
   for (std::uint32_t frame = 1; frame <= 3; ++frame) {
     bench.link.request(request(frame, 500ms - frame * 10ms),
                        Time(frame * 10ms));  // the display times decrease
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  ASSERT_EQ(bench.link.inbox().received(Time(20ms)).size(), 2u);
-  EXPECT_EQ(bench.link.inbox().received(Time(20ms)).front()->request.frame, FrameId{2});
-  EXPECT_TRUE(bench.link.inbox().received(Time(10ms - 1ns)).empty());
-  EXPECT_EQ(bench.link.inbox().find({3})->origin.requested_at, Time(30ms));
-  EXPECT_EQ(bench.link.inbox().find({3})->request.display_time, Time(470ms));
-  EXPECT_EQ(bench.link.inbox().find({5}), nullptr);
+  ASSERT_EQ(bench.link.receiver().received(Time(20ms)).size(), 2u);
+  EXPECT_EQ(bench.link.receiver().received(Time(20ms)).front()->request.frame, FrameId{2});
+  EXPECT_TRUE(bench.link.receiver().received(Time(10ms - 1ns)).empty());
+  EXPECT_EQ(bench.link.receiver().find({3})->origin.requested_at, Time(30ms));
+  EXPECT_EQ(bench.link.receiver().find({3})->request.display_time, Time(470ms));
+  EXPECT_EQ(bench.link.receiver().find({5}), nullptr);
 }
 
 TEST(NetworkLink, KeepsTheNewestRequestsOnly) {
-  MetBench bench;
+  ConnectedBench bench;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
     bench.ask(request(frame, frame * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  const auto masks = bench.link.inbox().received(Time::max());
+  const auto masks = bench.link.receiver().received(Time::max());
   ASSERT_EQ(masks.size(), kFrames);
   EXPECT_EQ(masks.front()->request.frame, FrameId{20});
   EXPECT_EQ(masks.back()->request.frame, FrameId{15});
-  EXPECT_EQ(bench.link.inbox().find({14}), nullptr);
-  EXPECT_EQ(bench.link.inbox().find({15})->origin.requested_at, Time(150ms));
+  EXPECT_EQ(bench.link.receiver().find({14}), nullptr);
+  EXPECT_EQ(bench.link.receiver().find({15})->origin.requested_at, Time(150ms));
 }
 
 /// Datagrams come steadily, wait in order without limit, and each takes the reader some time.
@@ -201,17 +201,17 @@ TEST(NetworkLink, SlowFramesDoNotFallBehindWhatArrives) {
 }
 
 TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
-  MetBench bench;
+  ConnectedBench bench;
   const Time begun = bench.clock.now();
   bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
   EXPECT_GT(bench.clock.now() - begun, 2 * kWay);
   EXPECT_LT(bench.clock.now() - begun, 2 * kWay + 3ms) << "as fast as the path is taken to be";
-  EXPECT_TRUE(bench.link.inbox().find({1})->report.has_value());
+  EXPECT_TRUE(bench.link.receiver().find({1})->report.has_value());
 }
 
 TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
-  MetBench bench;
+  ConnectedBench bench;
   const Time begun = bench.clock.now();
   bench.ask(request(1));
   EXPECT_FALSE(bench.link.wait_for({1}, 0ms));
@@ -222,7 +222,7 @@ TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
   bench.ask(request(2));
   EXPECT_FALSE(bench.link.wait_for({2}, 100ms));
   EXPECT_EQ(bench.clock.now() - begun, 107ms);
-  EXPECT_TRUE(bench.link.inbox().find({1})->complete()) << "pieces that arrived meanwhile were accepted";
+  EXPECT_TRUE(bench.link.receiver().find({1})->complete()) << "pieces that arrived meanwhile were accepted";
 }
 
 TEST(ShadowLinkWait, DoesNotWaitForAServerThatHasNotWelcomedIt) {
@@ -258,7 +258,7 @@ struct WildServer : LinkBench {
 
 TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   WildServer bench;
-  ASSERT_TRUE(bench.link.meet(1s).has_value());
+  ASSERT_TRUE(bench.link.connect(1s).has_value());
   bench.ask(request(1));
   ShadowFrame frame;
   paint(request(1), frame);
@@ -269,7 +269,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
     bench.send(copy);
   }
   bench.link.poll();
-  ASSERT_TRUE(bench.link.inbox().find({1})->complete());
+  ASSERT_TRUE(bench.link.receiver().find({1})->complete());
 
   bench.send(Bytes(40, std::byte{0x5A}));
   bench.send(copy);
@@ -307,19 +307,19 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   EXPECT_EQ(counters.assembler.other_light_set, 1u);
   EXPECT_TRUE(bench.link.last_received().has_value());
   EXPECT_FALSE(bench.link.refused().has_value());
-  EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
+  EXPECT_EQ(bench.link.receiver().find({1})->masks, painted(1));
 }
 
 TEST(NetworkLink, SurvivesFrameIdWraparound) {
-  MetBench bench;
+  ConnectedBench bench;
   for (std::uint32_t i = 0; i < 6; ++i) {
     const std::uint32_t frame = 0xFFFF'FFFDu + i;
     bench.ask(request(frame, (i + 1) * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s)) << frame;
-    EXPECT_EQ(bench.link.inbox().find({frame})->masks, painted(frame));
-    EXPECT_EQ(bench.link.inbox().received(Time::max()).front()->request.frame, FrameId{frame});
+    EXPECT_EQ(bench.link.receiver().find({frame})->masks, painted(frame));
+    EXPECT_EQ(bench.link.receiver().received(Time::max()).front()->request.frame, FrameId{frame});
   }
-  EXPECT_EQ(bench.link.inbox().received(Time::max()).size(), kFrames);
+  EXPECT_EQ(bench.link.receiver().received(Time::max()).size(), kFrames);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@ namespace {
 using namespace link_test;
 
 /// Notes the server's longest datagram, and loses those longer than `most_bytes`.
-struct PathBench : MetBench {
+struct PathBench : ConnectedBench {
   explicit PathBench(const LinkModel& to_client = {.delay = kWay})
-      : MetBench({.to_server = {.delay = kWay}, .to_client = to_client}) {
+      : ConnectedBench({.to_server = {.delay = kWay}, .to_client = to_client}) {
     on_answer = [this](std::span<const std::byte> bytes) {
       longest = std::max(longest, bytes.size());
       return bytes.size() > most_bytes;
@@ -26,8 +26,8 @@ struct PathBench : MetBench {
     for (const Time until = clock.now() + time; clock.now() < until; ++all) {
       run(kInterval);
       const Time patience = clock.now() + 200ms;
-      while (!link.inbox().is_whole({frame}) && clock.now() < patience) pass(1ms);
-      whole += link.inbox().is_whole({frame}) ? 1 : 0;
+      while (!link.receiver().is_whole({frame}) && clock.now() < patience) pass(1ms);
+      whole += link.receiver().is_whole({frame}) ? 1 : 0;
     }
     return static_cast<double>(whole) / all;
   }
@@ -35,7 +35,7 @@ struct PathBench : MetBench {
   /// report.
   [[nodiscard]] double newest_rate() const {
     for (std::uint32_t f = frame; f > 0; --f)
-      if (const auto* got = link.inbox().find({f}); got != nullptr && got->report)
+      if (const auto* got = link.receiver().find({f}); got != nullptr && got->report)
         return got->report->bytes_per_second;
     return 0;
   }

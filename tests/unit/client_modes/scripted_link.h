@@ -4,29 +4,29 @@
 #include <functional>
 
 #include "tests/support/packed.h"
-#include "vr_client/link/answer_inbox.h"
+#include "vr_client/link/frame_receiver.h"
 
 namespace farshade::modes_test {
 
 inline constexpr Extent kEye{192, 128};
 inline constexpr MaskLayout kLayout{1};
 
-class ScriptedLink final : public AnswerLink {
+class ScriptedLink final : public ServerConnection {
  public:
-  explicit ScriptedLink(std::size_t frames = 16) : inbox_(frames, kLayout) { inbox_.begin({}); }
+  explicit ScriptedLink(std::size_t frames = 16) : receiver_(frames, kLayout) { receiver_.begin({}); }
 
   void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override {
-    sent.push_back(inbox_.ask(request, requested_at, {}, parts.carried));
+    sent.push_back(receiver_.ask(request, requested_at, {}, parts.reprojected));
     positions_sent += parts.messages.size();
   }
   bool wait_for(FrameId frame, Duration patience) override {
     waited += patience;
     ++waits;
     if (on_wait) on_wait(frame);
-    return inbox_.is_whole(frame);
+    return receiver_.is_whole(frame);
   }
   [[nodiscard]] bool takes_parts() const override { return true; }
-  [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
+  [[nodiscard]] const FrameReceiver& receiver() const override { return receiver_; }
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   [[nodiscard]] Duration busy() const override { return {}; }
 
@@ -35,7 +35,7 @@ class ScriptedLink final : public AnswerLink {
 
   /// A part of the answer to `frame` arrives: masks that are lit everywhere.
   void deliver(FrameId frame, Part part) {
-    const RequestRecord* const record = inbox_.find(frame);
+    const RequestRecord* const record = receiver_.find(frame);
     if (record == nullptr) return;
     ShadowFrame made{frame, record->light_set_revision, record->request.views, {}};
     for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -44,14 +44,14 @@ class ScriptedLink final : public AnswerLink {
     for (const std::vector<std::byte>& datagram : pack(packer, made, {.frame = frame})) {
       const Decoded<ServerMessage> message = decode_server(datagram);
       if (const auto* slice = std::get_if<Slice>(&*message)) {
-        if (part != Part::Report) inbox_.take(*slice, {});
+        if (part != Part::Report) receiver_.take(*slice, {});
         if (part == Part::FirstSlice) return;
       } else if (part == Part::Report || part == Part::All) {
-        inbox_.take(std::get<FrameReport>(*message), {});
+        receiver_.take(std::get<FrameReport>(*message), {});
       }
     }
   }
-  void welcome(const Welcome& welcome) { inbox_.begin(welcome); }
+  void welcome(const Welcome& welcome) { receiver_.begin(welcome); }
 
   std::vector<FrameRequest> sent;
   std::size_t positions_sent = 0, waits = 0;
@@ -59,7 +59,7 @@ class ScriptedLink final : public AnswerLink {
   std::function<void(FrameId)> on_wait;
 
  private:
-  AnswerInbox inbox_;
+  FrameReceiver receiver_;
   std::optional<Error> refused_;
 };
 

@@ -19,13 +19,13 @@ TEST(BlockingCalls, RunsEachCallOnItsOwnThreadAndWaitsForIt) {
 TEST(BlockingCalls, AsksWhileACallBlocks) {
   BlockingCalls calls;
   std::promise<void> opened;
-  int asked = 0;
+  int requested = 0;
   EXPECT_TRUE(calls.run([&] { opened.get_future().wait(); },
                         [&] {
-                          if (++asked == 2) opened.set_value();
+                          if (++requested == 2) opened.set_value();
                           return true;
                         }));
-  EXPECT_GE(asked, 2);
+  EXPECT_GE(requested, 2);
 }
 
 TEST(BlockingCalls, LeavesACallThatBlocks) {

@@ -113,9 +113,9 @@ TEST_F(ControlsTest, ThePictureShinesThroughInSteps) {
 
 TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   execute(Command::Reprojection);
-  EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Direct);
+  EXPECT_EQ(controls_.settings.reprojection.lookup, Lookup::Direct);
   execute(Command::Reprojection);
-  EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Reproject);
+  EXPECT_EQ(controls_.settings.reprojection.lookup, Lookup::Reproject);
   execute(Command::AskWhole);
   EXPECT_EQ(controls_.settings.request.asks, Asks::Whole);
   execute(Command::GuardBand);

@@ -62,7 +62,7 @@ TEST(PixelFacts, NameEverySource) {
   EXPECT_EQ(source_in_words(kOtherEye), "newest mask of the other eye");
   EXPECT_EQ(source_in_words(kOtherEye + 2), "mask of the other eye, 2 older");
   EXPECT_EQ(source_in_words(kNeighbour), "newest mask of this eye, nearest pixel on the surface");
-  EXPECT_EQ(source_in_words(kFirstFace), "the surround");
+  EXPECT_EQ(source_in_words(kFirstFace), "the cube mask");
   EXPECT_EQ(source_in_words(kSourceUnknown), "unknown: no mask has this point");
 }
 

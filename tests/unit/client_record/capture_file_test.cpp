@@ -84,7 +84,7 @@ TEST(CaptureFile, KeepsExtremes) {
   }
   FrameSettings& settings = all.input.settings;
   settings.request = {PredictorKind::Hold, GuardBandUse::Off, 1024};
-  settings.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  settings.reprojection = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
   settings.scene = SceneClock::Paused;
   none.input.settings.request = {PredictorKind::Kalman, GuardBandUse::Off, 1};
   settings.lights.revision = kFirstLightSet;
@@ -104,8 +104,8 @@ TEST(CaptureFile, KeepsAllFrameSettings) {
                         static_cast<GuardBandUse>(random() % 2),
                         1 + static_cast<std::uint32_t>(random() % 64),
                         static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
-    settings.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
-                           static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
+    settings.reprojection = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
+                             static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
     settings.scene = static_cast<SceneClock>(random() % 2);
     std::vector<CapturedFrame> read;
     ASSERT_FALSE(read_all(file_of(header(), std::vector{one}), read).has_value());
@@ -114,7 +114,7 @@ TEST(CaptureFile, KeepsAllFrameSettings) {
     EXPECT_EQ(got.request.guard_band, settings.request.guard_band);
     EXPECT_EQ(got.request.every, settings.request.every);
     EXPECT_EQ(got.request.guard_band_percent, settings.request.guard_band_percent);
-    EXPECT_EQ(got.carry_over, settings.carry_over);
+    EXPECT_EQ(got.reprojection, settings.reprojection);
     EXPECT_EQ(got.scene, settings.scene);
   }
 }

@@ -19,13 +19,13 @@ TEST(CaptureLink, ReplaysMessagesBeforeAndAfterTheRequest) {
   CapturedFrame one = frame(1);
   one.before.push_back(received(Welcome{wire_samples::counting_hash(), 3, 4242}));
   link.begin(one);
-  EXPECT_EQ(link.inbox().most_pixels(), 4242u);
+  EXPECT_EQ(link.receiver().most_pixels(), 4242u);
   link.request(as_captured(one), Time(14ms));
-  ASSERT_NE(link.inbox().find(FrameId{1}), nullptr);
-  EXPECT_EQ(link.inbox().find(FrameId{1})->origin.sent, one.request->sent);
-  EXPECT_FALSE(link.inbox().find(FrameId{1})->report_arrived.has_value());
+  ASSERT_NE(link.receiver().find(FrameId{1}), nullptr);
+  EXPECT_EQ(link.receiver().find(FrameId{1})->origin.sent, one.request->sent);
+  EXPECT_FALSE(link.receiver().find(FrameId{1})->report_arrived.has_value());
   link.wait_for(FrameId{1}, 0s);
-  EXPECT_EQ(link.inbox().find(FrameId{1})->report_arrived, Time(1s));
+  EXPECT_EQ(link.receiver().find(FrameId{1})->report_arrived, Time(1s));
   EXPECT_EQ(link.end(), std::nullopt);
 }
 
@@ -40,7 +40,7 @@ TEST(CaptureLink, SendsNoRequestBeforeTheWelcome) {
     link.wait_for(FrameId{1}, 0s);
     EXPECT_EQ(link.end(), std::nullopt);
   }
-  EXPECT_EQ(link.inbox().find(FrameId{1}), nullptr);
+  EXPECT_EQ(link.receiver().find(FrameId{1}), nullptr);
 }
 
 TEST(CaptureLink, NamesTheDifferenceOfARequest) {

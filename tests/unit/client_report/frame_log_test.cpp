@@ -104,7 +104,7 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
                        .newest = 0.5,
                        .other_eye = 0.25,
                        .older = 0.125,
-                       .surround = 0.015625,
+                       .cube_mask = 0.015625,
                        .neighbours = 0.0625,
                        .unknown = 0.03125,
                        .stale = 0.4,
@@ -142,11 +142,11 @@ TEST(FrameLog, LeavesOutTheErrorsOfAnEyeThatShowsNoSurfaceAndSaysSo) {
   EXPECT_EQ(row(rows, "left eye", "shows a surface")->spread.count, 2u);
 }
 
-TEST(FrameLog, StatesTheCostOfTheSurroundOverTheFramesInWhichItsAnswersCame) {
+TEST(FrameLog, StatesTheCostOfTheCubeMaskOverTheFramesInWhichItsAnswersCame) {
   FrameLog log;
   log.add(record(1));
   FrameRecord made = record(2);
-  made.surround = {.rays = 9000, .bytes = 700, .server = Duration(2'000'000)};
+  made.cube_mask = {.rays = 9000, .bytes = 700, .server = Duration(2'000'000)};
   log.add(made);
   const auto rows = log.summary();
   EXPECT_DOUBLE_EQ(row(rows, "server", "rays of the surround")->spread.median, 9000);
@@ -229,11 +229,16 @@ TEST(FrameLog, TakesServerFiguresFromReports) {
 TEST(FrameLog, HasARowForEveryStage) {
   FrameLog log;
   FrameRecord made = record(1);
-  made.times = {
-      {.gbuffer = 3ms, .depth = 4ms, .shade = 6ms, .maps = 5ms, .carry = 15ms, .turn = 7ms, .total = 8ms},
-      1ms,
-      2ms,
-      9ms};
+  made.times = {{.gbuffer = 3ms,
+                 .depth = 4ms,
+                 .shade = 6ms,
+                 .maps = 5ms,
+                 .request_reprojection = 15ms,
+                 .timewarp = 7ms,
+                 .total = 8ms},
+                1ms,
+                2ms,
+                9ms};
   made.server = FrameReport{.primary = 10ms, .shadow = 11ms, .draw = 12ms, .pack = 13ms, .waited = 14ms};
   log.add(made);
   const auto rows = log.summary();
@@ -273,7 +278,7 @@ TEST(FrameLog, HasTheTrafficOfBothDirections) {
 TEST(FrameLog, SaysWhichShareWasAskedFor) {
   FrameLog log;
   FrameRecord made = record(1);
-  made.asked = 0.125;
+  made.requested = 0.125;
   log.add(made);
   EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "asked for")->spread.median, 12.5);
 }

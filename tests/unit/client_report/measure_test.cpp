@@ -39,7 +39,7 @@ void light_up(ShownReport& report, std::uint32_t x, std::uint32_t plane, std::ui
 }
 
 double sum_of_shares(const EyeErrors& e) {
-  return e.newest + e.other_eye + e.older + e.surround + e.neighbours + e.unknown;
+  return e.newest + e.other_eye + e.older + e.cube_mask + e.neighbours + e.unknown;
 }
 
 TEST(OtherSurface, CountsPixelsThatOneAloneCoversOrThatAreElsewhere) {
@@ -124,7 +124,7 @@ TEST(CompareMasks, APixelMayKnowSomeOfItsLights) {
 TEST(CompareMasks, EverySourceHasItsShareAndTheyAddUpToOne) {
   const EyeErrors four =
       compare_masks(shown(3, {kFirstFace + 5, kOtherEye, kOtherEye + 2, kNeighbour}), EyeMask({4, 1}, 3));
-  EXPECT_DOUBLE_EQ(four.surround, 0.25);
+  EXPECT_DOUBLE_EQ(four.cube_mask, 0.25);
   EXPECT_DOUBLE_EQ(four.other_eye, 0.25);
   EXPECT_DOUBLE_EQ(four.older, 0.25) << "the other eye's older mask";
   EXPECT_DOUBLE_EQ(four.neighbours, 0.25);

@@ -85,19 +85,19 @@ TEST(SourcePicture, TellsEverySourceApart) {
   EXPECT_EQ(picture.at(6, 0), kBlack);
 }
 
-TEST(SourceOverlay, MakesWhatWasCarriedOverPaler) {
+TEST(SourceOverlay, MakesWhatWasReprojectedPaler) {
   const Extent traced{32, 16};
   const View view{{}, {-0.5, 0.5, 0.5, -0.5}, traced};
   const StereoView views{view, view};
   const PerEye<EyeMask> bits{EyeMask(traced, 1), EyeMask(traced, 1)};
-  const PerEye<KnownTiles> known{KnownTiles{1, 0}, KnownTiles{1, 0}};
-  const AskedBlocks asked{{std::vector<AskedTile>{{{1}}, {}}, std::vector<AskedTile>(2)}};
+  const PerEye<ReceivedTiles> known{ReceivedTiles{1, 0}, ReceivedTiles{1, 0}};
+  const RequestedBlocks requested{{std::vector<RequestedTile>{{{1}}, {}}, std::vector<RequestedTile>(2)}};
   Frame frame(report_of({0, 0, 0}));
   frame.report.positions = {{3.5f, 3.5f}, {4.5f, 3.5f}, {20.5f, 3.5f}};
-  frame.newest.emplace(TracedMask{{1}, {}, {}, views, bits, known, 0, kFirstLightSet, &asked});
+  frame.newest.emplace(TracedMask{{1}, {}, {}, views, bits, known, 0, kFirstLightSet, &requested});
   const Image<Rgb8> picture = frame.drawn(Overlay::Source);
   EXPECT_EQ(picture.at(0, 0), Rgb8(60, 220, 90)) << "asked for";
-  EXPECT_EQ(picture.at(1, 0), frame.explained(Overlay::Source)[1].color) << "the next block was carried over";
+  EXPECT_EQ(picture.at(1, 0), frame.explained(Overlay::Source)[1].color) << "the next block was reprojected";
   EXPECT_EQ(picture.at(2, 0), picture.at(1, 0)) << "and so was the whole next tile";
   EXPECT_NE(picture.at(1, 0), picture.at(0, 0));
 }
@@ -310,7 +310,7 @@ class GuardBandOverlay : public testing::Test {
       EyeMask& mask = masks_[index_of(side)] = EyeMask(traced.size, 2);
       for (std::uint32_t y = 0; y < traced.size.height; ++y)
         for (std::uint32_t x = 0; x < traced.size.width / 2; ++x) mask.set_word(x, y, 0, 0b11);
-      known_[index_of(side)] = KnownTiles(TileGrid{traced.size}.count(), 1);
+      known_[index_of(side)] = ReceivedTiles(TileGrid{traced.size}.count(), 1);
     }
     known_[0][0] = 0;
     frame.newest.emplace(TracedMask{{1}, {}, {}, views_, masks_, known_});
@@ -319,7 +319,7 @@ class GuardBandOverlay : public testing::Test {
 
   StereoView views_;
   PerEye<EyeMask> masks_;
-  PerEye<KnownTiles> known_;
+  PerEye<ReceivedTiles> known_;
   std::vector<LegendEntry> read_ = legend(Overlay::GuardBand, 2, 0);
   Rgb8 outline_ = read_[0].color, all_ = read_[1].color, none_ = read_[2].color, guard_ = read_[3].color,
        lacking_ = read_[4].color;

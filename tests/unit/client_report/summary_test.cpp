@@ -19,8 +19,8 @@ FrameRecord full_record() {
   frame.times.gbuffer = 3ms;
   frame.guard_band = 0.25;
   frame.server = FrameReport{.primary = 2ms, .shadow = 3ms};
-  frame.asked = 0.5;
-  frame.surround = SurroundCost{.rays = 9, .bytes = 8, .server = 1ms};
+  frame.requested = 0.5;
+  frame.cube_mask = CubeMaskCost{.rays = 9, .bytes = 8, .server = 1ms};
   frame.traffic = LinkTraffic{.up = 100, .down = 2000};
   frame.errors = PerEye<EyeErrors>{};
   for (EyeErrors& errors : *frame.errors)

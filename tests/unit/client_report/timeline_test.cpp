@@ -22,7 +22,7 @@ constexpr Extent kSize{16, 16};
 /// Builds the timeline of a run step by step. Times are relative to kBegin.
 class Told {
  public:
-  Told() { inbox_.begin({}); }
+  Told() { receiver_.begin({}); }
 
   /// Frame `number` begins at `at`. Its stages are 1 ms request (sent after 0.5 ms), 2 ms collect and 5 ms
   /// draw.
@@ -31,32 +31,32 @@ class Told {
     const Time begin = kBegin + at;
     FrameRequest request{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}};
     for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kSize};
-    (void)inbox_.ask(request, {}, begin + 500us);
+    (void)receiver_.ask(request, {}, begin + 500us);
     std::vector<TracedMask> masks;
     if (newest_mask) masks.push_back({{*newest_mask}, {}, {}, request.views, no_masks_, no_tiles_});
     const StageStarts starts{begin, begin + 1ms, begin + 3ms, begin + 8ms};
     timeline.add({request, &request, state_, masks, nullptr, std::nullopt, times, starts, settings_, {}},
-                 &inbox_);
+                 &receiver_);
   }
 
   void first_slice_comes(std::uint32_t number, Duration at) {
     const PerEye<EyeMask> masks{EyeMask(kSize, 1), EyeMask(kSize, 1)};
     const auto messages =
-        pack(packer_, {{number}, kFirstLightSet, inbox_.find({number})->request.views, masks}, {});
-    inbox_.take(std::get<Slice>(*decode_server(messages.front())), kBegin + at);
+        pack(packer_, {{number}, kFirstLightSet, receiver_.find({number})->request.views, masks}, {});
+    receiver_.take(std::get<Slice>(*decode_server(messages.front())), kBegin + at);
   }
 
-  void report_comes(FrameReport report, Duration at) { inbox_.take(report, kBegin + at); }
+  void report_comes(FrameReport report, Duration at) { receiver_.take(report, kBegin + at); }
 
   Timeline timeline;
 
  private:
-  AnswerInbox inbox_{8, {1}};
+  FrameReceiver receiver_{8, {1}};
   FramePacker packer_;
   const SceneState state_;
   const FrameSettings settings_;
   const PerEye<EyeMask> no_masks_;
-  const PerEye<KnownTiles> no_tiles_;
+  const PerEye<ReceivedTiles> no_tiles_;
 };
 
 /// 7 ms of work.

@@ -17,7 +17,7 @@ FrameLog log_of(const std::vector<Duration>& client) {
   for (const Duration time : client) {
     FrameRecord frame{.frame = {static_cast<std::uint32_t>(log.records().size() + 1)}};
     frame.times.frame = time;
-    frame.asked = 1.0;
+    frame.requested = 1.0;
     frame.server = FrameReport{.shadow = 4ms, .bytes_per_second = 1'250'000};
     frame.traffic = LinkTraffic{.up = 250, .down = 5000};
     log.add(frame);
@@ -105,7 +105,7 @@ TEST(Verdict, TheServerHasTheTimeBetweenRequests) {
   const FrameLog plain = log_of({1ms, 1ms, 1ms, 1ms});
   for (FrameRecord frame : plain.records()) {
     const bool asks = frame.frame.value % 2 == 0;
-    if (!asks) frame.asked.reset();
+    if (!asks) frame.requested.reset();
     if (!asks) frame.server.reset();
     if (frame.server) frame.server->shadow = 15ms;
     log.add(frame);

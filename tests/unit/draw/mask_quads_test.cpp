@@ -12,15 +12,15 @@ namespace {
 struct Base {
   StereoView views;
   PerEye<EyeMask> masks;
-  PerEye<KnownTiles> known;
-  AskedBlocks asked;
+  PerEye<ReceivedTiles> known;
+  RequestedBlocks requested;
 
   [[nodiscard]] TracedMask traced() const {
-    return {{1}, {}, {}, views, masks, known, 0, kFirstLightSet, &asked};
+    return {{1}, {}, {}, views, masks, known, 0, kFirstLightSet, &requested};
   }
 };
 
-/// Both eyes have random bits. Of the asked tiles, every third has not come.
+/// Both eyes have random bits. Of the requested tiles, every third has not come.
 Base random_base(Extent size, std::uint32_t lights, std::mt19937& random) {
   Base base;
   const std::uint32_t tiles = TileGrid{size}.count();
@@ -34,8 +34,8 @@ Base random_base(Extent size, std::uint32_t lights, std::mt19937& random) {
         }
     base.known[eye].assign(tiles, 0);
     for (std::uint32_t tile = 0; tile < tiles; ++tile) {
-      if (tile % 3 != 0) base.known[eye][tile] = all_planes_known(mask.layout());
-      base.asked.tiles[eye].push_back(all_lights_in(static_cast<BlockBits>(random() & random()), lights));
+      if (tile % 3 != 0) base.known[eye][tile] = all_planes_received(mask.layout());
+      base.requested.tiles[eye].push_back(all_lights_in(static_cast<BlockBits>(random() & random()), lights));
     }
   }
   return base;

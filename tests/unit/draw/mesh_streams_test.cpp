@@ -8,7 +8,7 @@
 #include <random>
 #include <tuple>
 
-#include "tests/unit/detail/shapes.h"
+#include "tests/unit/lod/shapes.h"
 
 namespace farshade {
 namespace {

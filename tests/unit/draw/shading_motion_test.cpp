@@ -45,26 +45,26 @@ std::vector<const Motion*> pointers(const std::vector<Motion>& motions) {
   return result;
 }
 
-Written written(const std::vector<Motion>& motions, const std::vector<Motion>& surround = {}) {
-  const auto since = pointers(motions), since_faces = pointers(surround);
+Written written(const std::vector<Motion>& motions, const std::vector<Motion>& cube_mask = {}) {
+  const auto since = pointers(motions), since_faces = pointers(cube_mask);
   Written result;
   for (std::size_t slot = 0; slot < kSlots; ++slot)
     write_motions(some_views(), {since, since_faces}, slot, result.matrices);
   return result;
 }
 
-TEST(ShadingMotion, TheBufferHasTheMatricesOfEveryMaskWithAndWithoutASurround) {
-  for (const bool surround : {false, true}) {
+TEST(ShadingMotion, TheBufferHasTheMatricesOfEveryMaskWithAndWithoutACubeMask) {
+  for (const bool cube_mask : {false, true}) {
     DrawPlan plan;
     plan.mask = {.lights = 2};
     plan.moves = {true, false, true};
-    plan.surround = surround;
+    plan.cube_mask = cube_mask;
     const std::size_t last = motion_index(1, FARSHADE_MAX_TRACED - 1, kEyes - 1);
-    EXPECT_GE(shading_bytes(plan, {8, 8}, {8, 8}).motions, (last + 1) * sizeof(glm::mat4)) << surround;
+    EXPECT_GE(shading_bytes(plan, {8, 8}, {8, 8}).motions, (last + 1) * sizeof(glm::mat4)) << cube_mask;
   }
 }
 
-TEST(ShadingMotion, TheSurroundIsAGroupOfItsOwn) {
+TEST(ShadingMotion, TheCubeMaskIsAGroupOfItsOwn) {
   const Written result = written({moved_slots({}), moved_slots({})}, {moved_slots({}), moved_slots({0})});
   EXPECT_EQ(result.flag(0, 0), 0);
   EXPECT_EQ(result.flag(0, 1), 0);

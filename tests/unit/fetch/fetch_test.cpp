@@ -80,10 +80,10 @@ TEST_F(FetchTest, WhatWasFetchedIsKeptWhenTheUserStops) {
   serve({.bytes_per_second = 4e6});
   FetchPlan wanted = plan();
   std::uint64_t here = 0;
-  Time asked{};
+  Time requested{};
   wanted.progress = [&](std::uint64_t h, std::uint64_t) { here = h; };
   wanted.stopped = [&] {
-    if (here > 500'000 && asked == Time{}) asked = SteadyClock().now();
+    if (here > 500'000 && requested == Time{}) requested = SteadyClock().now();
     return here > 500'000;
   };
   const Expected<FetchedScene> stopped = fetch_scene(wanted);

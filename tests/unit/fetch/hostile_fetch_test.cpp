@@ -31,14 +31,14 @@ class HostileServer {
           while (!stop.stop_requested()) {
             auto tcp = listener_.accept(for_time(50ms));
             if (!tcp) continue;
-            auto met = SealedStream::admit(*std::move(tcp), StreamPurpose::SceneFetch, {{id_of(key), key}},
-                                           Welcome{.light_count = 1}, until(stop));
-            while (met && !stop.stop_requested()) {
-              const auto message = met->receive(until(stop));
+            auto connected = SealedStream::admit(*std::move(tcp), StreamPurpose::SceneFetch,
+                                                 {{id_of(key), key}}, Welcome{.light_count = 1}, until(stop));
+            while (connected && !stop.stop_requested()) {
+              const auto message = connected->receive(until(stop));
               const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
               if (!request) break;
-              say(*met, *request);
-              if (!met->flush(until(stop))) break;
+              say(*connected, *request);
+              if (!connected->flush(until(stop))) break;
             }
           }
         }) {}
@@ -252,17 +252,17 @@ TEST_F(HostileFetchTest, ManyConnectionsOfOneKeyAreBusyAndSlowReadersEnd) {
   std::vector<std::byte> request;
   encode(FetchRequest(ContentRequest{0, 30'000'000}), request);
   for (int i = 0; i < 3; ++i) {
-    auto met = SealedStream::meet(connect_tcp(server_, patiently()).value(), StreamPurpose::SceneFetch, key_,
-                                  patiently());
-    ASSERT_TRUE(met.has_value()) << met.error().what;
-    met->add(request);
-    ASSERT_TRUE(met->flush(patiently()));
-    const auto answer = met->receive(patiently());
+    auto connected = SealedStream::connect(connect_tcp(server_, patiently()).value(),
+                                           StreamPurpose::SceneFetch, key_, patiently());
+    ASSERT_TRUE(connected.has_value()) << connected.error().what;
+    connected->add(request);
+    ASSERT_TRUE(connected->flush(patiently()));
+    const auto answer = connected->receive(patiently());
     ASSERT_TRUE(answer.has_value()) << answer.error().what;
     const FetchAnswer decoded = decode_fetch_answer(*answer).value();
     const auto* refusal = std::get_if<FetchRefusal>(&decoded);
     refusals.push_back(refusal == nullptr ? std::nullopt : std::optional(*refusal));
-    greedy.push_back(*std::move(met));
+    greedy.push_back(*std::move(connected));
   }
   EXPECT_FALSE(refusals[0]);
   EXPECT_FALSE(refusals[1]);

@@ -208,8 +208,8 @@ TEST(SceneCache, RefusesASceneForWhichTheDiskHasNoRoom) {
 TEST(SceneCache, IsLockedByOneAtATime) {
   const ScratchFolder scratch;
   std::optional<SceneCache> first = open_three(scratch.path());
-  int asked = 0;
-  const auto second = SceneCache::open(scratch.path(), three_files(), [&] { return ++asked < 3; });
+  int requested = 0;
+  const auto second = SceneCache::open(scratch.path(), three_files(), [&] { return ++requested < 3; });
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().fault, Fault::Unavailable);
   // One that waits goes on when the first is done, and finds everything there.

@@ -168,8 +168,8 @@ TEST(Assembler, LostSliceLeavesItsTilesUnknownAndNothingElse) {
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
       const bool missing =
           side == lost.eye && tile >= lost.first_tile && tile < lost.first_tile + lost.tile_count;
-      EXPECT_EQ(received.known_tiles[eye][tile], missing ? 0 : 1);
-      known += received.known_tiles[eye][tile];
+      EXPECT_EQ(received.received_tiles[eye][tile], missing ? 0 : 1);
+      known += received.received_tiles[eye][tile];
       const TileRect rect = grid.rect(tile);
       for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
         for (std::uint32_t x = rect.x0; x < rect.x1; ++x)
@@ -310,15 +310,15 @@ TEST(Assembler, RefusesSlicesThatDoNotFit) {
   EXPECT_EQ(counters.refused.total(), 4u);
 }
 
-TEST(Assembler, IsCompleteWithTheAskedTiles) {
+TEST(Assembler, IsCompleteWithTheRequestedTiles) {
   FrameRequest requested = request(1);
   const std::size_t tiles = TileGrid{requested.views[0].size}.count();
-  for (std::vector<AskedTile>& eye : requested.asked.tiles) eye.assign(tiles, {});
-  requested.asked.tiles[0][3] = requested.asked.tiles[0][40] = {{0x0660, 0x0060}};
+  for (std::vector<RequestedTile>& eye : requested.requested.tiles) eye.assign(tiles, {});
+  requested.requested.tiles[0][3] = requested.requested.tiles[0][40] = {{0x0660, 0x0060}};
   const ShadowFrame frame = noisy_frame(requested, 40);
   FramePacker packer;
   packer.begin();
-  packer.add(frame, requested.asked);
+  packer.add(frame, requested.requested);
   Assembler assembler;
   assembler.expect(requested, {40}, kRevision);
   EXPECT_TRUE(assembler.find({1})->complete(Side::Right));
@@ -327,8 +327,8 @@ TEST(Assembler, IsCompleteWithTheAskedTiles) {
   const RequestRecord& record = *assembler.find({1});
   EXPECT_TRUE(record.complete());
   EXPECT_EQ(record.tiles_known[0], 4u);
-  EXPECT_EQ(record.known_tiles[0][3], 3);
-  EXPECT_EQ(record.known_tiles[0][4], 0);
+  EXPECT_EQ(record.received_tiles[0][3], 3);
+  EXPECT_EQ(record.received_tiles[0][4], 0);
   for (std::uint32_t plane = 0; plane < 2; ++plane) {
     const std::uint32_t first_two_shares = frame.masks[0].word(48 + 4, 4, plane) & 0x03030303;
     EXPECT_EQ(record.masks[0].word(48 + 4, 4, plane), first_two_shares);

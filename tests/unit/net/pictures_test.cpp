@@ -102,7 +102,7 @@ TEST(PictureAssembly, ALostPlaneSliceLeavesItsTilesUnknown) {
   const RequestRecord& received = *assembler.find({1});
   EXPECT_FALSE(received.complete());
   EXPECT_LT(received.gbuffer.tiles_known, received.gbuffer.tiles);
-  EXPECT_EQ(received.gbuffer.known_tiles[0][0][0], 0) << "the first tile of the left eye's colours";
+  EXPECT_EQ(received.gbuffer.received_tiles[0][0][0], 0) << "the first tile of the left eye's colours";
   EXPECT_EQ(received.gbuffer.planes.base_color[0].words[0], 0u);
 }
 
@@ -283,7 +283,7 @@ TEST(MaskBlockAssembly, GivesBackTheMasksInAnyOrder) {
   const RequestRecord& received = *assembler.find({1});
   EXPECT_TRUE(received.complete());
   EXPECT_EQ(received.masks, frame.masks);
-  for (const KnownTiles& known : received.known_tiles)
+  for (const ReceivedTiles& known : received.received_tiles)
     EXPECT_EQ(std::ranges::count(known, 3), static_cast<std::ptrdiff_t>(known.size())) << "both planes";
   EXPECT_EQ(assembler.counters().duplicates, datagrams.size() - 1);
   EXPECT_EQ(assembler.counters().refused.total(), 0u);

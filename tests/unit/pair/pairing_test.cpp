@@ -136,8 +136,8 @@ TEST_F(Pairing, AConnectionThatWasOpenWhenTheCodeExpiredIsTooLate) {
     Expected<TcpStream> stream = connect_tcp(server.address(), for_time(60s));
     EXPECT_EQ(server.result().error().fault, Fault::Missing) << "the patience ends with the code";
     if (!stream) continue;
-    EXPECT_FALSE(SealedStream::meet(*std::move(stream), StreamPurpose::Pairing, one_time_key(server.code()),
-                                    for_time(60s)));
+    EXPECT_FALSE(SealedStream::connect(*std::move(stream), StreamPurpose::Pairing,
+                                       one_time_key(server.code()), for_time(60s)));
     return;
   }
   FAIL() << "no code lived until the connection";
@@ -250,9 +250,10 @@ TEST_F(Pairing, AServerWithoutTheCodeGetsNothingButAHello) {
 
 TEST_F(Pairing, AHelloOfAnotherPurposeIsOfNoUse) {
   Waiter server(ring(), {.patience = 2s});
-  const auto met = SealedStream::meet(connect_tcp(server.address(), for_time(60s)).value(),
-                                      StreamPurpose::SceneFetch, one_time_key(server.code()), for_time(60s));
-  EXPECT_FALSE(met);
+  const auto connected =
+      SealedStream::connect(connect_tcp(server.address(), for_time(60s)).value(), StreamPurpose::SceneFetch,
+                            one_time_key(server.code()), for_time(60s));
+  EXPECT_FALSE(connected);
   EXPECT_TRUE(pair_as(key_, server.code()));
   EXPECT_TRUE(server.result());
 }

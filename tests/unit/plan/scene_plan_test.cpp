@@ -25,8 +25,8 @@ SceneBuilder simplest() {
 }
 
 TEST(ScenePlan, OfOneStaticTriangleAndOneLightLeavesAllElseOut) {
-  const ScenePlan plan = plan_for(simplest().build(), {.two_views = false, .carries_over = false});
-  EXPECT_EQ(plan.lights, std::vector{LightFate::Casts});
+  const ScenePlan plan = plan_for(simplest().build(), {.two_views = false, .reprojects = false});
+  EXPECT_EQ(plan.lights, std::vector{LightStatus::Casts});
   EXPECT_TRUE(plan.server);
   EXPECT_EQ(plan.trace.mask, MaskLayout{1});
   EXPECT_EQ(plan.draw.mask, MaskLayout{1});
@@ -43,7 +43,7 @@ TEST(ScenePlan, TellsWhatASessionAddsFromWhatASceneAdds) {
   EXPECT_TRUE(plan_for(scene, {.two_views = true}).draw.other_eye);
   EXPECT_FALSE(plan_for(scene, {.two_views = false}).draw.other_eye);
   EXPECT_TRUE(plan_for(scene, {.two_views = false}).draw.depth_pass);
-  EXPECT_FALSE(plan_for(scene, {.carries_over = false}).draw.other_eye);
+  EXPECT_FALSE(plan_for(scene, {.reprojects = false}).draw.other_eye);
 }
 
 TEST(ScenePlan, TurnsOnWhatASurfaceNeedsForThatMeshAlone) {
@@ -86,8 +86,8 @@ TEST(ScenePlan, LeavesOutLightsThatEndBeforeTheSceneBegins) {
   builder.directional_light({0, 1, 0});
   builder.add(triangle());
   const auto [scene, plan] = plan_scene(builder.build());
-  const std::vector expected{LightFate::OutOfReach, LightFate::Casts, LightFate::OutOfReach, LightFate::Casts,
-                             LightFate::Casts};
+  const std::vector expected{LightStatus::OutOfReach, LightStatus::Casts, LightStatus::OutOfReach,
+                             LightStatus::Casts, LightStatus::Casts};
   EXPECT_EQ(plan.lights, expected);
   EXPECT_EQ(plan_for(builder.build(), {.all_lights = true}).trace.mask.lights, 5u);
   EXPECT_EQ(plan.trace.mask.lights, 3u);
@@ -100,11 +100,11 @@ TEST(ScenePlan, KeepsALightThatComesIntoReachOrHasTheSceneComeToIt) {
   SceneBuilder lamp;
   lamp.add(triangle());
   lamp.move(lamp.point_light({0, 0, 9}, 1.0f), {0, 0, -9});
-  EXPECT_EQ(plan_for(lamp.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_EQ(plan_for(lamp.build()).lights, std::vector{LightStatus::Casts});
   SceneBuilder guest;
   guest.point_light({0, 0, 9}, 1.0f);
   guest.move(guest.add(triangle()), {0, 0, 9});
-  EXPECT_EQ(plan_for(guest.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_EQ(plan_for(guest.build()).lights, std::vector{LightStatus::Casts});
 }
 
 TEST(ScenePlan, KnowsWhatAnimatedLightsBecome) {
@@ -112,16 +112,16 @@ TEST(ScenePlan, KnowsWhatAnimatedLightsBecome) {
   growing.add(triangle());
   growing.point_light({0, 0, 9}, 1.0f);
   growing.change(LightProperty::Range, glm::vec4(1), glm::vec4(10));
-  EXPECT_EQ(plan_for(growing.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_EQ(plan_for(growing.build()).lights, std::vector{LightStatus::Casts});
   EXPECT_TRUE(plan_for(growing.build()).draw.lights_move) << "masks of other times do not fit";
   SceneBuilder short_lived;
   short_lived.add(triangle());
   short_lived.point_light({0, 0, 9}, 1.0f);
   short_lived.change(LightProperty::Range, glm::vec4(1), glm::vec4(2));
-  EXPECT_EQ(plan_for(short_lived.build()).lights, std::vector{LightFate::OutOfReach});
+  EXPECT_EQ(plan_for(short_lived.build()).lights, std::vector{LightStatus::OutOfReach});
   SceneBuilder flicker = simplest();
   flicker.change(LightProperty::Intensity, glm::vec4(0), glm::vec4(1));
-  EXPECT_EQ(plan_for(flicker.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_EQ(plan_for(flicker.build()).lights, std::vector{LightStatus::Casts});
   EXPECT_FALSE(plan_for(flicker.build()).draw.anything_moves()) << "masks fit at all times";
 }
 
@@ -129,7 +129,7 @@ TEST(ScenePlan, LeavesOutDarkLightsAndThenTheServer) {
   Scene scene = simplest().build();
   scene.lights[0].intensity = glm::vec3(0);
   const auto [planned, plan] = plan_scene(scene);
-  EXPECT_EQ(plan.lights, std::vector{LightFate::Dark});
+  EXPECT_EQ(plan.lights, std::vector{LightStatus::Dark});
   EXPECT_FALSE(plan.server);
   EXPECT_TRUE(planned.lights.empty());
 }
@@ -150,7 +150,7 @@ TEST(ScenePlan, OfEverythingLeavesNothingOut) {
   SceneBuilder builder = simplest();
   builder.point_light({0, 0, 9}, 1.0f);
   const auto [scene, plan] =
-      plan_scene(builder.build(), {.kind = PlanKind::Everything, .two_views = false, .carries_over = false});
+      plan_scene(builder.build(), {.kind = PlanKind::Everything, .two_views = false, .reprojects = false});
   EXPECT_EQ(scene.lights.size(), 2u);
   EXPECT_EQ(plan.draw.mask.word_bytes(), 4u);
   EXPECT_EQ(plan.trace.mask.word_bytes(), 4u);

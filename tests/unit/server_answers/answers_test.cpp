@@ -158,7 +158,7 @@ class ServerAnswers : public testing::Test {
   std::uint32_t lights_ = narrow<std::uint32_t>(scene_.lights.size());
   ScenePlan plan_ = plan_for(scene_, {.all_lights = true});
   Tracer tracer_ = Tracer::create(scene_, plan_.trace).value();
-  AnswerMakers answers_ = make_answers({.scene = scene_, .plan = plan_, .tracer = tracer_});
+  RequestHandlers answers_ = make_answers({.scene = scene_, .plan = plan_, .tracer = tracer_});
   Job job_{};
   FramePacker packer_;
   Assembler assembler_;
@@ -192,9 +192,9 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   }
   const RequestRecord& part = received();
   EXPECT_TRUE(part.complete(Side::Right));
-  ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice holds only a part of the eye";
-  for (std::uint32_t tile = 0; tile < part.known_tiles[0].size(); ++tile)
-    EXPECT_EQ(part.known_tiles[0][tile] != 0, tile < lost_from || tile >= lost_from + lost) << tile;
+  ASSERT_LT(lost, part.received_tiles[0].size()) << "a slice holds only a part of the eye";
+  for (std::uint32_t tile = 0; tile < part.received_tiles[0].size(); ++tile)
+    EXPECT_EQ(part.received_tiles[0][tile] != 0, tile < lost_from || tile >= lost_from + lost) << tile;
   job_.parts.push_back(of_left_y);
   EXPECT_TRUE(received().complete(Side::Left));
   job_.parts.clear();
@@ -214,17 +214,17 @@ TEST_F(ServerAnswers, ABlockHasTheMasksOfTheSlices) {
 }
 
 /// Only what has come in AskSlices is traced and sent.
-TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
+TEST_F(ServerAnswers, MasksOfRequestedBlocksCoverOnlyReceivedAskSlices) {
   std::mt19937 random(5);  // noise packs badly and needs several slices
   for (View& view : job_.request.views) view.size = {1024, 1024};
   const PerEye<EyeMask> truth = received().masks;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> lost;
   AskPacker packer;
-  AskedBlocks asked;
+  RequestedBlocks requested;
   for (const Side side : kSides) {
-    std::vector<AskedTile>& tiles = asked.tiles[index_of(side)];
+    std::vector<RequestedTile>& tiles = requested.tiles[index_of(side)];
     tiles.resize(TileGrid{job_.request.views[0].size}.count());
-    for (AskedTile& tile : tiles)
+    for (RequestedTile& tile : tiles)
       for (std::uint32_t share = 0; share < shares_of(lights_); ++share)
         tile.shares[share] = static_cast<BlockBits>(random() & random());
     packer.start(job_.request.frame, side, job_.request.views[0].size, lights_, tiles);
@@ -240,7 +240,7 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
   ASSERT_EQ(lost.size(), 1u) << "an eye needs several slices";
   // The client knows what it has asked for; the server must find out.
   FrameRequest expected = job_.request;
-  expected.asked = asked;
+  expected.requested = requested;
   packer_.begin();
   answers_.answer(job_, packer_, {});
   Assembler assembler;
@@ -255,15 +255,15 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
       const bool is_lost = eye == 0 && tile >= lost[0].first && tile < lost[0].second;
-      if (asked.at(eye, tile) == kNoBlocks) continue;
-      ASSERT_EQ(part.known_tiles[eye][tile] != 0, !is_lost) << tile;
+      if (requested.at(eye, tile) == kNoBlocks) continue;
+      ASSERT_EQ(part.received_tiles[eye][tile] != 0, !is_lost) << tile;
       const TileRect rect = grid.rect(tile);
       std::size_t wrong = 0;
       for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
         for (std::uint32_t x = rect.x0; x < rect.x1; ++x) {
           const auto block = std::countr_zero(block_bit(x - rect.x0, y - rect.y0));
           const std::uint32_t come =
-              is_lost ? 0 : asked.tiles[eye][tile].at(static_cast<std::uint32_t>(block));
+              is_lost ? 0 : requested.tiles[eye][tile].at(static_cast<std::uint32_t>(block));
           wrong += part.masks[eye].word(x, y) != (truth[eye].word(x, y) & come);
         }
       ASSERT_EQ(wrong, 0u) << tile;
@@ -302,7 +302,7 @@ TEST_F(ServerAnswers, SizesOfManyClientsAreKept) {
   const auto renderer =
       std::make_shared<AnswerRenderer>(AnswerContext{.scene = scene_, .plan = plan_, .tracer = tracer_});
   if (const Expected<void> can = renderer->can_draw(); !can) GTEST_SKIP() << can.error().what;
-  const std::unique_ptr<AnswerMaker> video = make_video(renderer);
+  const std::unique_ptr<RequestHandler> video = make_video(renderer);
   job_.request.answer = {
       .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
   for (std::uint32_t round = 0; round < 3; ++round)
@@ -320,24 +320,25 @@ TEST_F(ServerAnswers, ADrawnAnswerIsGivenUpBetweenItsStages) {
   const auto renderer =
       std::make_shared<AnswerRenderer>(AnswerContext{.scene = scene_, .plan = plan_, .tracer = tracer_});
   if (const Expected<void> can = renderer->can_draw(); !can) GTEST_SKIP() << can.error().what;
-  std::vector<std::unique_ptr<AnswerMaker>> makers;
-  makers.push_back(make_gbuffer(renderer));
-  if (has_video()) makers.push_back(make_video(renderer));
+  std::vector<std::unique_ptr<RequestHandler>> handlers;
+  handlers.push_back(make_gbuffer(renderer));
+  if (has_video()) handlers.push_back(make_video(renderer));
   job_.request.answer = {
       .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
-  for (const std::unique_ptr<AnswerMaker>& maker : makers) {
-    std::atomic<int> asked = 0, most = std::numeric_limits<int>::max();
-    job_.is_given_up = [&] { return ++asked > most; };
+  for (const std::unique_ptr<RequestHandler>& handler : handlers) {
+    std::atomic<int> requested = 0, most = std::numeric_limits<int>::max();
+    job_.is_given_up = [&] { return ++requested > most; };
     packer_.begin();
-    EXPECT_NO_THROW(maker->answer(job_, packer_));
-    const int all = asked;
+    EXPECT_NO_THROW(handler->answer(job_, packer_));
+    const int all = requested;
     for (int stage = 1; stage <= 3; ++stage) {
-      asked = 0, most = all - stage;
+      requested = 0, most = all - stage;
       packer_.begin();
-      EXPECT_THROW(maker->answer(job_, packer_), AnswerGivenUp) << "before the last stage but " << stage - 1;
+      EXPECT_THROW(handler->answer(job_, packer_), AnswerGivenUp)
+          << "before the last stage but " << stage - 1;
     }
-    asked = 0, most = all - 4;
-    EXPECT_THROW(maker->answer(job_, packer_), TraceGivenUp) << "no other stage asks";
+    requested = 0, most = all - 4;
+    EXPECT_THROW(handler->answer(job_, packer_), TraceGivenUp) << "no other stage asks";
   }
 }
 

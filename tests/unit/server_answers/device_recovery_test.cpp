@@ -18,7 +18,7 @@ struct Server {
   std::string other_failure;  ///< the error of a draw; empty: none
   int drawn = 0;
 
-  AnswerMakers makers = [this] {
+  RequestHandlers handlers = [this] {
     const auto draw = [this](const Job&, FramePacker&) {
       if (!other_failure.empty()) throw std::runtime_error(other_failure);
       if (lost > 0) {
@@ -33,7 +33,7 @@ struct Server {
       ++opened;
       return {};
     });
-    AnswerMakers all = answers_from(kTracedAnswers, [](const Job&, FramePacker&) { return AnswerCost{}; });
+    RequestHandlers all = answers_from(kTracedAnswers, [](const Job&, FramePacker&) { return AnswerCost{}; });
     for (const Answer answer : {Answer::GBuffer, Answer::Video, Answer::Difference})
       all.add(answer, recovering(std::make_unique<AnswerFrom>(draw), recovery));
     return all;
@@ -44,7 +44,7 @@ struct Server {
     job.request.answer.kind = answer;
     FramePacker packer;
     packer.begin();
-    makers.answer(job, packer, {});
+    handlers.answer(job, packer, {});
   }
 };
 
@@ -57,7 +57,7 @@ TEST(DeviceRecovery, OpensALostDeviceAgainAndDrawsTheNextRequest) {
   EXPECT_EQ(server.drawn, 1) << "the request during the loss has no answer";
   server.request();
   EXPECT_EQ(server.drawn, 2);
-  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+  EXPECT_EQ(server.handlers.offered(), kEveryAnswer);
 }
 
 TEST(DeviceRecovery, StopsOfferingPicturesIfNoDeviceCanBeOpened) {
@@ -65,7 +65,7 @@ TEST(DeviceRecovery, StopsOfferingPicturesIfNoDeviceCanBeOpened) {
   server.lost = 1;
   server.can_open = false;
   server.request(Answer::Video);
-  EXPECT_EQ(server.makers.offered(), kTracedAnswers);
+  EXPECT_EQ(server.handlers.offered(), kTracedAnswers);
   server.request(Answer::Masks);
   server.request(Answer::MasksOfPositions);
 }
@@ -74,10 +74,10 @@ TEST(DeviceRecovery, GivesUpADeviceThatIsLostAgainAndAgain) {
   Server server;
   server.lost = DeviceRecovery::kMostLosses;
   for (int i = 0; i < DeviceRecovery::kMostLosses; ++i) {
-    EXPECT_EQ(server.makers.offered(), kEveryAnswer) << i;
+    EXPECT_EQ(server.handlers.offered(), kEveryAnswer) << i;
     server.request(i == 1 ? Answer::Video : Answer::GBuffer);
   }
-  EXPECT_EQ(server.makers.offered(), kTracedAnswers);
+  EXPECT_EQ(server.handlers.offered(), kTracedAnswers);
   EXPECT_EQ(server.opened, DeviceRecovery::kMostLosses) << "it was not opened again";
 }
 
@@ -87,7 +87,7 @@ TEST(DeviceRecovery, KeepsADeviceThatDrawsBetweenItsLosses) {
     server.lost = DeviceRecovery::kMostLosses - 1;
     for (int k = 0; k < DeviceRecovery::kMostLosses; ++k) server.request();
   }
-  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+  EXPECT_EQ(server.handlers.offered(), kEveryAnswer);
   EXPECT_EQ(server.drawn, 5 * DeviceRecovery::kMostLosses);
 }
 
@@ -96,7 +96,7 @@ TEST(DeviceRecovery, KeepsTheDeviceAfterAnyOtherFailure) {
   server.other_failure = "too large";
   for (int i = 0; i < 2 * DeviceRecovery::kMostLosses; ++i) server.request();
   EXPECT_EQ(server.opened, 1);
-  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+  EXPECT_EQ(server.handlers.offered(), kEveryAnswer);
 }
 
 }  // namespace

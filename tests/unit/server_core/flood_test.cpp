@@ -103,7 +103,7 @@ class Flood final : public DatagramPort {
 TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   ManualClock clock;
   Flood flood(kFlood + 1000);
-  ServerCore core(kServed, {kKey}, AnswerMakers(), flood, clock);
+  ServerCore core(kServed, {kKey}, RequestHandlers(), flood, clock);
   for (int i = 0; i < 1000; ++i) core.receive(0s);  // afterwards the buffers do not grow any more
   const std::uint64_t before = resident_bytes();
   for (std::uint64_t i = 0; i < kFlood; ++i) {

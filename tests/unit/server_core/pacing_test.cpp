@@ -1,18 +1,18 @@
 // The times at which the server answers a client's next request and sends the datagrams of a frame.
 #include <gtest/gtest.h>
 
-#include "tests/unit/server_core/house.h"
+#include "tests/unit/server_core/sessions_bench.h"
 
 namespace farshade {
 namespace {
 
 using namespace std::chrono_literals;
-using namespace house_test;
+using namespace sessions_bench;
 
 /// The time from the first to the last of a frame's eight datagrams, after 100 requests.
 Duration spread_of_frame(Duration between_displays, Duration between_arrivals) {
-  House house;
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
   const std::vector<Bytes> messages(8, Bytes(100, std::byte{1}));
   Duration spread{};
   Time now{};
@@ -20,15 +20,15 @@ Duration spread_of_frame(Duration between_displays, Duration between_arrivals) {
     now += between_arrivals;
     FrameRequest request = request_of(frame, kSize);
     request.display_time = Time(frame * between_displays);
-    house.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
-    const auto job = house.sessions.next_job(now);
+    bench.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
+    const auto job = bench.sessions.next_job(now);
     if (!job) continue;
-    house.sessions.put(job->session, messages, {}, now);
+    bench.sessions.put(job->session, messages, {}, now);
     Peer to;
     Bytes datagram;
-    while (const auto due = house.sessions.due_at()) {
+    while (const auto due = bench.sessions.due_at()) {
       spread = *due - now;
-      EXPECT_TRUE(house.sessions.seal_due(*due, to, datagram));
+      EXPECT_TRUE(bench.sessions.seal_due(*due, to, datagram));
       client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, *due);
     }
   }
@@ -45,8 +45,8 @@ TEST(SessionPacing, FollowsTheShorterOfDisplayAndArrivalIntervals) {
 
 /// A path of 100 kB/s that has taken 20 messages of the first answer, and a client that requests masks of
 /// positions.
-struct SlowPath : House {
-  SlowPath() : House({.bytes_per_second = 100e3}) {
+struct SlowPath : SessionsBench {
+  SlowPath() : SessionsBench({.bytes_per_second = 100e3}) {
     Welcome served = kServed;
     served.answers = kTracedAnswers;
     sessions = Sessions(served, kRing, {.bytes_per_second = 100e3});
@@ -78,7 +78,7 @@ TEST(SessionPacing, ARequestWithoutItsPositionsWaitsForThePathToo) {
 }
 
 /// A client that requests and receives frames of 20 messages. It reports arrivals only while `reports`.
-struct Listener : House {
+struct Listener : SessionsBench {
   /// Returns the bytes per second that were sent to it in `time`.
   double run(Duration time, bool reports) {
     std::size_t bytes = 0;
@@ -132,26 +132,26 @@ TEST(SessionPacing, ANewerFrameOvertakesOneThatHasBecomeSlow) {
 }
 
 TEST(SessionKeepAlive, IsSentToAClientThatAsksAndGetsNothing) {
-  House house;
-  LinkClient client = house.join(1);
-  house.ask(client, 1, 1, Time(100ms));
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
+  bench.ask(client, 1, 1, Time(100ms));
   EXPECT_EQ(client.probes, 0u);
-  house.ask(client, 1, 2, Time(101ms));
+  bench.ask(client, 1, 2, Time(101ms));
   EXPECT_EQ(client.probes, 1u);
-  house.ask(client, 1, 3, Time(201ms));
+  bench.ask(client, 1, 3, Time(201ms));
   EXPECT_EQ(client.probes, 1u) << "100 ms since the last one";
-  house.ask(client, 1, 4, Time(202ms));
+  bench.ask(client, 1, 4, Time(202ms));
   EXPECT_EQ(client.probes, 2u);
 }
 
 TEST(SessionKeepAlive, IsNotReplacedByAProbeOfThePath) {
-  House house;
-  LinkClient client = house.join(1);
-  house.ask(client, 1, 1, Time(101ms));
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
+  bench.ask(client, 1, 1, Time(101ms));
   ASSERT_EQ(client.probes, 1u);
   const auto answer_to = [&](std::uint32_t frame, Time now) {
     RequestMessage message{.request = request_of(frame, kSize), .arrivals = client.arrivals.report()};
-    const Bytes answer = house.say(1, client.seal(message), now);
+    const Bytes answer = bench.say(1, client.seal(message), now);
     client.take(answer, now);
     return answer;
   };
@@ -163,20 +163,20 @@ TEST(SessionKeepAlive, IsNotReplacedByAProbeOfThePath) {
 }
 
 TEST(Sessions, SealsTheDatagramThatIsDueFirst) {
-  House house;
-  LinkClient late = house.join(1), early = house.join(2, {}, kRing[1]);
+  SessionsBench bench;
+  LinkClient late = bench.join(1), early = bench.join(2, {}, kRing[1]);
   for (auto [client, port] : {std::pair{&late, std::uint16_t{1}}, {&early, std::uint16_t{2}}})
-    house.ask(*client, port, 1);
+    bench.ask(*client, port, 1);
   const std::vector<Bytes> one{Bytes(100, std::byte{1})};
-  house.sessions.put(late.session.value(), one, {}, Time(2ms));
-  house.sessions.put(early.session.value(), one, {}, Time(1ms));
+  bench.sessions.put(late.session.value(), one, {}, Time(2ms));
+  bench.sessions.put(early.session.value(), one, {}, Time(1ms));
   Peer to;
   Bytes datagram;
-  EXPECT_EQ(house.sessions.due_at(), Time(1ms));
-  EXPECT_FALSE(house.sessions.seal_due(Time(999us), to, datagram));
-  ASSERT_TRUE(house.sessions.seal_due(Time(5ms), to, datagram));
+  EXPECT_EQ(bench.sessions.due_at(), Time(1ms));
+  EXPECT_FALSE(bench.sessions.seal_due(Time(999us), to, datagram));
+  ASSERT_TRUE(bench.sessions.seal_due(Time(5ms), to, datagram));
   EXPECT_EQ(to, peer(2));
-  ASSERT_TRUE(house.sessions.seal_due(Time(5ms), to, datagram));
+  ASSERT_TRUE(bench.sessions.seal_due(Time(5ms), to, datagram));
   EXPECT_EQ(to, peer(1));
 }
 

@@ -38,7 +38,7 @@ struct PositionsBench {
           core->send_due();
         },
         [this] { return core->next_due(); });
-    EXPECT_TRUE(client.meet(1s));
+    EXPECT_TRUE(client.connect(1s));
   }
 
   void say_positions(std::uint32_t frame, std::uint32_t tile = 0) {

@@ -51,7 +51,7 @@ PerEye<EyeMask> painted(std::uint32_t frame) {
 
 /// A server and a client on a virtual link, in one thread.
 struct Bench {
-  explicit Bench(const LinkModels& models = {}, AnswerMakers answers = masks_from(paint))
+  explicit Bench(const LinkModels& models = {}, RequestHandlers answers = masks_from(paint))
       : link(clock, models) {
     core.emplace(kServed, kTwoKeys, std::move(answers), link.server(), clock);
     link.while_waiting([this] { serve(*core); }, [this] { return core->next_due(); });
@@ -89,7 +89,7 @@ TEST(ServerCore, AStallEndsNoSession) {
   ServerCore core(kServed, kTwoKeys, masks_from(paint), port, clock);
   link.while_waiting([&] { serve(core); }, [&] { return core.next_due(); });
   PortClient client(link.client(), link.server().local(), kTwoKeys[0], kServed);
-  ASSERT_TRUE(client.meet(1s));
+  ASSERT_TRUE(client.connect(1s));
   client.say(client.seal({.request = request(1)}));
   serve(core);
   for (const Duration stall : {5s, 11s, 60s, 3600s}) {
@@ -104,7 +104,7 @@ TEST(ServerCore, AStallEndsNoSession) {
 
 TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
   Bench bench({.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}});
-  ASSERT_TRUE(bench.client.meet(1s));
+  ASSERT_TRUE(bench.client.connect(1s));
   EXPECT_EQ(bench.clock.now(), Time(20ms)) << "two round trips";
   EXPECT_EQ(bench.client.welcome, kServed);
   bench.client.say(bench.client.ask(request(1)));
@@ -118,7 +118,7 @@ TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
 
 TEST(ServerCore, ReportsTheFrameAndItsCost) {
   Bench bench;
-  ASSERT_TRUE(bench.client.meet(1s));
+  ASSERT_TRUE(bench.client.connect(1s));
   for (std::uint32_t frame = 1; frame <= 3; ++frame) bench.client.say(bench.client.ask(request(frame)));
   while (bench.core->receive(0s)) {
   }
@@ -161,25 +161,25 @@ TEST(ServerCore, CountsDatagramsThatAreNoMessages) {
 TEST(ServerCore, TracesNothingForStrangers) {
   Bench bench;
   PortClient stranger(bench.link.client(), bench.link.server().local(), key_named("mallory"), kServed);
-  EXPECT_FALSE(stranger.meet(100ms));
+  EXPECT_FALSE(stranger.connect(100ms));
   EXPECT_TRUE(stranger.open_refusal.has_value());
   Welcome other = kServed;
   other.scene_hash = {9};
   PortClient astray(bench.link.client(), bench.link.server().local(), kTwoKeys[0], other);
-  EXPECT_FALSE(astray.meet(100ms));
+  EXPECT_FALSE(astray.connect(100ms));
   EXPECT_TRUE(astray.refusal.has_value());
   EXPECT_EQ(bench.core->counters().frames, 0u);
   EXPECT_EQ(bench.core->counters().sessions_open, 0u);
 }
 
 TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
-  AnswerMakers answers = answers_from(set_of(Answer::GBuffer), [](const Job&, FramePacker&) -> AnswerCost {
+  RequestHandlers answers = answers_from(set_of(Answer::GBuffer), [](const Job&, FramePacker&) -> AnswerCost {
     throw AnswersLost(set_of(Answer::GBuffer), "no device");
   });
   answers.add(Answer::Masks,
               std::make_unique<AnswerFrom>([](const Job&, FramePacker&) { return AnswerCost{}; }));
   Bench bench({}, std::move(answers));
-  ASSERT_TRUE(bench.client.meet(1s));
+  ASSERT_TRUE(bench.client.connect(1s));
   EXPECT_EQ(bench.client.welcome->answers, set_of(Answer::GBuffer) | set_of(Answer::Masks));
   FrameRequest requested = request(1);
   requested.answer.kind = Answer::GBuffer;
@@ -193,7 +193,7 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
   }
   EXPECT_EQ(bench.client.no_session, 1u);
   PortClient again(bench.link.client(), bench.link.server().local(), kTwoKeys[0], kServed);
-  ASSERT_TRUE(again.meet(1s));
+  ASSERT_TRUE(again.connect(1s));
   EXPECT_EQ(again.welcome->answers, set_of(Answer::Masks));
 }
 
@@ -217,9 +217,9 @@ TEST(ServerCore, GivesUpALongAnswerForAClientThatWaitsAndSendsItsReport) {
   core.emplace(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), link.server(), clock);
   link.while_waiting([&] { serve(*core); }, [&] { return core->next_due(); });
   ada.emplace(link.client(), link.server().local(), kTwoKeys[0], kServed);
-  ASSERT_TRUE(ada->meet(1s));
+  ASSERT_TRUE(ada->connect(1s));
   bob.emplace(link.client(), link.server().local(), kTwoKeys[1], kServed);
-  ASSERT_TRUE(bob->meet(1s));
+  ASSERT_TRUE(bob->connect(1s));
   const Time begun = clock.now();
   ada->say(ada->ask(request_of(1, {2048, 1024})));
   while (core->receive(0s)) {
@@ -237,7 +237,7 @@ TEST(ServerCore, AnAnswerForWhichThereIsNoMemoryIsItsReportAloneAndTheNextIsMade
                 if (is_short) throw std::bad_alloc();
                 return paint(requested, frame);
               }));
-  ASSERT_TRUE(bench.client.meet(1s));
+  ASSERT_TRUE(bench.client.connect(1s));
   bench.client.say(bench.client.ask(request(1)));
   while (bench.client.hear(100ms)) {
   }
@@ -253,7 +253,7 @@ TEST(ServerCore, AnAnswerForWhichThereIsNoMemoryIsItsReportAloneAndTheNextIsMade
 
 TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
   Bench bench;
-  ASSERT_TRUE(bench.client.meet(1s));
+  ASSERT_TRUE(bench.client.connect(1s));
   FrameRequest requested = request(1);
   std::vector<Time> arrivals;
   for (std::uint32_t frame = 1; frame <= 100; ++frame) {
@@ -279,7 +279,7 @@ TEST(ServerCore, SameSeedSameMasksOverALossyLink) {
                  .seed = 11});
     std::vector<PerEye<EyeMask>> masks;
     std::vector<PerEye<std::uint32_t>> known;
-    while (!bench.client.session) bench.client.meet(50ms);
+    while (!bench.client.session) bench.client.connect(50ms);
     for (std::uint32_t frame = 1; frame <= 20; ++frame) {
       bench.client.say(bench.client.ask(request(frame)));
       const Time display = bench.clock.now() + 14ms;
@@ -315,7 +315,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   const Serving serving(core);
 
   PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
-  ASSERT_TRUE(client.meet(60s));
+  ASSERT_TRUE(client.connect(60s));
   client.say(client.ask(request(1)));
   tracing.wait();
   for (std::uint32_t frame = 2; frame <= 6; ++frame) client.say(client.ask(request(frame)));
@@ -346,7 +346,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
         auto connected = connect_udp(to);
         if (!connected) return;
         PortClient client(*connected->port, connected->server, kTwoKeys[i], kServed);
-        if (!client.meet(60s)) return;
+        if (!client.connect(60s)) return;
         for (std::uint32_t frame = 1; frame <= 50; ++frame) {
           client.say(client.ask(request(frame)));
           const RequestRecord& received = *client.assembler.find({frame});
@@ -381,7 +381,7 @@ TEST(Serving, GivesUpTheAnswerInWorkWhenItEnds) {
   {
     const Serving serving(core);
     PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
-    ASSERT_TRUE(client.meet(60s));
+    ASSERT_TRUE(client.connect(60s));
     client.say(client.ask(request(1)));
     working.wait();
   }
@@ -406,7 +406,7 @@ TEST(Serving, DoesNotWaitForAnAnswerThatCannotBeGivenUp) {
   PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
   {
     Serving serving(core);
-    ASSERT_TRUE(client.meet(60s));
+    ASSERT_TRUE(client.connect(60s));
     client.say(client.ask(request(1)));
     drawing.wait();
     const Stopwatch watch;

@@ -2,73 +2,73 @@
 
 #include "rt_server/core/server_core.h"
 #include "stereo/net/explain.h"
-#include "tests/unit/server_core/house.h"
+#include "tests/unit/server_core/sessions_bench.h"
 
 namespace farshade {
 namespace {
 
 using namespace std::chrono_literals;
-using namespace house_test;
+using namespace sessions_bench;
 
 SessionCounters counted(SessionCounters counters) {
   return counters;
 }
 
 TEST(Sessions, WelcomesAClientThatProvesAddressAndKeyInTwoRoundTrips) {
-  House house;
+  SessionsBench bench;
   LinkClient client(kRing[0], kServed);
-  const Bytes again = client.take(house.say(1, client.hello()), {});
-  EXPECT_EQ(house.sessions.size(), 0u) << "the server stores nothing before the address is proved";
+  const Bytes again = client.take(bench.say(1, client.hello()), {});
+  EXPECT_EQ(bench.sessions.size(), 0u) << "the server stores nothing before the address is proved";
   ASSERT_FALSE(again.empty());
-  client.take(house.say(1, again), {});
+  client.take(bench.say(1, again), {});
   EXPECT_EQ(client.welcome, kServed);
-  EXPECT_EQ(house.sessions.size(), 1u);
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1}));
-  EXPECT_EQ(house.sessions.gate().retries, 1u);
+  EXPECT_EQ(bench.sessions.size(), 1u);
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1}));
+  EXPECT_EQ(bench.sessions.gate().retries, 1u);
 }
 
 TEST(Sessions, StoresNothingForAClientWithoutAKey) {
-  House house;
-  const LinkClient stranger = house.join(1, {}, key_named("mallory"));
-  EXPECT_EQ(house.sessions.size(), 0u);
+  SessionsBench bench;
+  const LinkClient stranger = bench.join(1, {}, key_named("mallory"));
+  EXPECT_EQ(bench.sessions.size(), 0u);
   ASSERT_TRUE(stranger.open_refusal.has_value());
   EXPECT_EQ(stranger.open_refusal->reason, RefusalReason::UnknownKey);
   SharedKey forged = key_named("mallory");
   forged.secret = kRing[0].secret;
   forged.secret[5] ^= 1;
-  EXPECT_FALSE(house.join(2, {}, forged).welcome.has_value());
-  EXPECT_EQ(house.sessions.size(), 0u);
-  EXPECT_EQ(house.sessions.gate().unknown_key, 2u);
+  EXPECT_FALSE(bench.join(2, {}, forged).welcome.has_value());
+  EXPECT_EQ(bench.sessions.size(), 0u);
+  EXPECT_EQ(bench.sessions.gate().unknown_key, 2u);
 }
 
 TEST(Sessions, RefusesAnotherSceneAndSaysWhichItServes) {
-  House house;
+  SessionsBench bench;
   Welcome other = kServed;
   other.scene_hash[31] ^= 1;
   LinkClient client(kRing[0], other);
-  house.talk(client, 1, client.hello());
+  bench.talk(client, 1, client.hello());
   ASSERT_TRUE(client.refusal.has_value()) << "sealed, so only the server can have sent it";
   EXPECT_EQ(*client.refusal, (Refusal{RefusalReason::SceneMismatch, kServed.scene_hash}));
-  EXPECT_EQ(house.sessions.size(), 0u);
-  EXPECT_EQ(house.sessions.counters(), counted({.scene_mismatch = 1}));
+  EXPECT_EQ(bench.sessions.size(), 0u);
+  EXPECT_EQ(bench.sessions.counters(), counted({.scene_mismatch = 1}));
 }
 
 TEST(Sessions, RefusesAnotherVersionAndSaysWhichItSpeaks) {
-  House house;
+  SessionsBench bench;
   LinkClient client(kRing[0], kServed);
   Bytes foreign = client.hello();
   foreign[4] = std::byte{kProtocolVersion + 1};
-  house.talk(client, 1, foreign);
+  bench.talk(client, 1, foreign);
   ASSERT_TRUE(client.open_refusal.has_value());
   EXPECT_EQ(client.open_refusal->reason, RefusalReason::VersionMismatch);
   EXPECT_EQ(client.open_refusal->version, kProtocolVersion);
   EXPECT_EQ(client.open_refusal->echo, client.handshake.echo());
-  EXPECT_EQ(house.sessions.gate().version_mismatch, 1u);
+  EXPECT_EQ(bench.sessions.gate().version_mismatch, 1u);
 }
 
 TEST(Sessions, AnswersUnknownSessionsWithNoSession) {
-  House house, restarted;
-  LinkClient client = house.join(1);
+  SessionsBench bench, restarted;
+  LinkClient client = bench.join(1);
   restarted.ask(client, 1, 1);
   EXPECT_EQ(client.no_session, 1u);
   EXPECT_EQ(restarted.taken.error(), WireRefusal::UnknownSession);
@@ -76,145 +76,145 @@ TEST(Sessions, AnswersUnknownSessionsWithNoSession) {
 }
 
 TEST(Sessions, NewestRequestWinsAndTheOthersAreCounted) {
-  House house;
-  LinkClient client = house.join(1);
-  for (std::uint32_t frame = 1; frame <= 4; ++frame) house.ask(client, 1, frame, Time(frame * 1ms));
-  const auto job = house.sessions.next_job(Time(4ms));
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
+  for (std::uint32_t frame = 1; frame <= 4; ++frame) bench.ask(client, 1, frame, Time(frame * 1ms));
+  const auto job = bench.sessions.next_job(Time(4ms));
   ASSERT_TRUE(job.has_value());
   EXPECT_EQ(job->request.frame, FrameId{4});
   EXPECT_EQ(job->arrived, Time(4ms));
   EXPECT_EQ(job->superseded, 3u);
-  EXPECT_FALSE(house.sessions.job_at().has_value());
-  EXPECT_FALSE(house.sessions.next_job(Time(4ms)).has_value());
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 3}));
+  EXPECT_FALSE(bench.sessions.job_at().has_value());
+  EXPECT_FALSE(bench.sessions.next_job(Time(4ms)).has_value());
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 3}));
 }
 
-/// A request for a pair of the surround.
-FrameRequest surround_request(std::uint32_t number) {
-  FrameRequest request = request_of(kFirstSurroundFrame.value + number, kSize);
-  request.answer = {.kind = Answer::Surround};
+/// A request for a pair of the cube mask.
+FrameRequest cube_mask_request(std::uint32_t number) {
+  FrameRequest request = request_of(kFirstCubeMaskFrame.value + number, kSize);
+  request.answer = {.kind = Answer::CubeMask};
   return request;
 }
 
 /// The frames of the jobs that are taken one after the other, each answered with nothing.
-std::vector<std::uint32_t> taken_frames(House& house) {
+std::vector<std::uint32_t> taken_frames(SessionsBench& bench) {
   std::vector<std::uint32_t> frames;
-  while (const std::optional<Job> job = house.sessions.next_job({}))
+  while (const std::optional<Job> job = bench.sessions.next_job({}))
     frames.push_back(job->request.frame.value);
   return frames;
 }
 
-TEST(SessionsSurround, NeitherReplacesOtherRequestsNorIsReplacedByThem) {
-  House house;
-  house.sessions.offer(kTracedAnswers);
-  LinkClient client = house.join(1);
-  const std::uint32_t first = kFirstSurroundFrame.value;
-  house.ask(client, 1, 7);
+TEST(SessionsCubeMask, NeitherReplacesOtherRequestsNorIsReplacedByThem) {
+  SessionsBench bench;
+  bench.sessions.offer(kTracedAnswers);
+  LinkClient client = bench.join(1);
+  const std::uint32_t first = kFirstCubeMaskFrame.value;
+  bench.ask(client, 1, 7);
   for (const std::uint32_t number : {0u, 1u, 2u})
-    house.talk(client, 1, client.seal({.request = surround_request(number)}));
-  house.ask(client, 1, 8);
-  EXPECT_EQ(taken_frames(house), (std::vector<std::uint32_t>{8, first, first + 1, first + 2}));
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 5, .superseded = 1}));
+    bench.talk(client, 1, client.seal({.request = cube_mask_request(number)}));
+  bench.ask(client, 1, 8);
+  EXPECT_EQ(taken_frames(bench), (std::vector<std::uint32_t>{8, first, first + 1, first + 2}));
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1, .requests = 5, .superseded = 1}));
 }
 
-TEST(SessionsSurround, ANewerRequestForAPairReplacesTheOlderOne) {
-  House house;
-  house.sessions.offer(kTracedAnswers);
-  LinkClient client = house.join(1);
+TEST(SessionsCubeMask, ANewerRequestForAPairReplacesTheOlderOne) {
+  SessionsBench bench;
+  bench.sessions.offer(kTracedAnswers);
+  LinkClient client = bench.join(1);
   for (const std::uint32_t number : {0u, 1u, 3u, 1u})
-    house.talk(client, 1, client.seal({.request = surround_request(number)}));
-  const std::uint32_t first = kFirstSurroundFrame.value;
-  EXPECT_EQ(taken_frames(house), (std::vector<std::uint32_t>{first + 1, first + 3}));
-  EXPECT_EQ(house.sessions.counters(),
+    bench.talk(client, 1, client.seal({.request = cube_mask_request(number)}));
+  const std::uint32_t first = kFirstCubeMaskFrame.value;
+  EXPECT_EQ(taken_frames(bench), (std::vector<std::uint32_t>{first + 1, first + 3}));
+  EXPECT_EQ(bench.sessions.counters(),
             counted({.welcomed = 1, .requests = 4, .superseded = 1, .outdated = 1}));
 }
 
-TEST(SessionsSurround, PairsThatOvertookEachOtherAreAllAnswered) {
-  House house;
-  house.sessions.offer(kTracedAnswers);
-  LinkClient client = house.join(1);
+TEST(SessionsCubeMask, PairsThatOvertookEachOtherAreAllAnswered) {
+  SessionsBench bench;
+  bench.sessions.offer(kTracedAnswers);
+  LinkClient client = bench.join(1);
   for (const std::uint32_t number : {1u, 2u, 0u})
-    house.talk(client, 1, client.seal({.request = surround_request(number)}));
-  EXPECT_EQ(taken_frames(house).size(), 3u);
+    bench.talk(client, 1, client.seal({.request = cube_mask_request(number)}));
+  EXPECT_EQ(taken_frames(bench).size(), 3u);
 }
 
-TEST(SessionsSurround, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
-  House house;
-  house.sessions.offer(kTracedAnswers);
-  LinkClient client = house.join(1);
-  house.talk(client, 1, client.seal({.request = surround_request(0)}));
+TEST(SessionsCubeMask, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
+  SessionsBench bench;
+  bench.sessions.offer(kTracedAnswers);
+  LinkClient client = bench.join(1);
+  bench.talk(client, 1, client.seal({.request = cube_mask_request(0)}));
   std::uint32_t overtaking = 0;
   for (std::uint32_t frame = 1; frame < 20; ++frame) {
-    house.ask(client, 1, frame);
-    if (house.sessions.next_job({})->request.answer.kind == Answer::Surround) break;
+    bench.ask(client, 1, frame);
+    if (bench.sessions.next_job({})->request.answer.kind == Answer::CubeMask) break;
     ++overtaking;
   }
   EXPECT_EQ(overtaking, ClientSession::kMostOvertaking);
 }
 
 /// The size of views that is advised after 12 answers of 500 kB and as many of 200 bytes, over 1 MB/s. The
-/// large ones are those of the surround, or the others.
-ViewScale scale_beside_large(bool surround_is_large) {
-  House house({.bytes_per_second = 1e6});
-  house.sessions.offer(kTracedAnswers);
-  LinkClient client = house.join(1);
+/// large ones are those of the cube mask, or the others.
+ViewScale scale_beside_large(bool cube_mask_is_large) {
+  SessionsBench bench({.bytes_per_second = 1e6});
+  bench.sessions.offer(kTracedAnswers);
+  LinkClient client = bench.join(1);
   ViewScale advised{};
   Time now{};
   const auto answer = [&](FrameRequest request, std::size_t messages, std::size_t bytes) {
     request.display_time = now;
-    house.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
-    const auto at = house.sessions.job_at();
+    bench.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
+    const auto at = bench.sessions.job_at();
     ASSERT_TRUE(at.has_value());
     now = std::max(now, *at);
-    const Job job = *house.sessions.next_job(now);
+    const Job job = *bench.sessions.next_job(now);
     ASSERT_EQ(job.request.frame, request.frame);
     advised = job.view_scale;
-    house.sessions.put(job.session, std::vector<Bytes>(messages, Bytes(bytes)), 1ms, now);
+    bench.sessions.put(job.session, std::vector<Bytes>(messages, Bytes(bytes)), 1ms, now);
     Peer to;
-    for (Bytes datagram; const auto due = house.sessions.due_at();) {
+    for (Bytes datagram; const auto due = bench.sessions.due_at();) {
       now = std::max(now, *due);
-      ASSERT_TRUE(house.sessions.seal_due(now, to, datagram));
+      ASSERT_TRUE(bench.sessions.seal_due(now, to, datagram));
       client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + 5ms);
     }
   };
   for (std::uint32_t number = 0; number < 12; ++number) {
-    FrameRequest large = request_of(number + 1, kSize), small = surround_request(number);
-    if (surround_is_large) std::swap(large, small);
+    FrameRequest large = request_of(number + 1, kSize), small = cube_mask_request(number);
+    if (cube_mask_is_large) std::swap(large, small);
     answer(large, 500, 1000);
     answer(small, 2, 100);
   }
   return advised;
 }
 
-TEST(SessionsSurround, ItsLargeAnswersDoNotMakeTheOtherViewsSmaller) {
+TEST(SessionsCubeMask, ItsLargeAnswersDoNotMakeTheOtherViewsSmaller) {
   EXPECT_EQ(scale_beside_large(true), kFullViewScale);
   EXPECT_LT(scale_beside_large(false), kFullViewScale);
 }
 
 TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
-  House house;
-  LinkClient client = house.join(1);
-  for (const std::uint32_t frame : {7u, 6u, 7u}) house.ask(client, 1, frame);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{7});
-  house.ask(client, 1, 7);  // the request that was answered
-  EXPECT_FALSE(house.sessions.job_at().has_value());
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .outdated = 3}));
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
+  for (const std::uint32_t frame : {7u, 6u, 7u}) bench.ask(client, 1, frame);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{7});
+  bench.ask(client, 1, 7);  // the request that was answered
+  EXPECT_FALSE(bench.sessions.job_at().has_value());
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1, .requests = 4, .outdated = 3}));
 }
 
 TEST(Sessions, RequestsForMorePixelsThanAllowedAreCountedAndNotTraced) {
   Welcome small = kServed;
   small.most_pixels = kSize.width * kSize.height;
   Sessions sessions(small, kRing);
-  House house;
-  house.sessions = std::move(sessions);
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  bench.sessions = std::move(sessions);
+  LinkClient client = bench.join(1);
   FrameRequest wide = request_of(1, kSize);
   wide.views[1].size.height += 1;
-  house.talk(client, 1, client.seal({.request = wide}));
-  EXPECT_FALSE(house.sessions.job_at().has_value());
-  house.ask(client, 1, 2);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{2});
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
+  bench.talk(client, 1, client.seal({.request = wide}));
+  EXPECT_FALSE(bench.sessions.job_at().has_value());
+  bench.ask(client, 1, 2);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{2});
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
 }
 
 /// Otherwise whoever has a key moves the numbers of frames around as it likes, without work for the server.
@@ -222,46 +222,46 @@ TEST(Sessions, RefusedRequestsDoNotMakeLaterOnesOutdated) {
   Welcome small = kServed;
   small.most_pixels = kSize.width * kSize.height;
   Sessions sessions(small, kRing);
-  House house;
-  house.sessions = std::move(sessions);
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  bench.sessions = std::move(sessions);
+  LinkClient client = bench.join(1);
   const auto refused = [&](std::uint32_t frame, bool too_large) {
     FrameRequest request = request_of(frame, kSize);
     if (too_large)
       request.views[1].size.height += 1;
     else
       request.answer.kind = Answer::GBuffer;
-    house.talk(client, 1, client.seal({.request = request}));
+    bench.talk(client, 1, client.seal({.request = request}));
   };
-  house.ask(client, 1, 0);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{0});
+  bench.ask(client, 1, 0);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{0});
   for (const bool too_large : {true, false}) {
     refused(0x7fffffff, too_large);
     refused(0xfffffffe, too_large);
   }
-  EXPECT_EQ(house.sessions.counters().too_large, 1u);
-  EXPECT_EQ(house.sessions.counters().unanswered, 1u);
-  EXPECT_EQ(house.sessions.counters().outdated, 2u);
-  house.ask(client, 1, 0xffffffff);
-  EXPECT_FALSE(house.sessions.job_at().has_value()) << "older than the first";
-  house.ask(client, 1, 1);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+  EXPECT_EQ(bench.sessions.counters().too_large, 1u);
+  EXPECT_EQ(bench.sessions.counters().unanswered, 1u);
+  EXPECT_EQ(bench.sessions.counters().outdated, 2u);
+  bench.ask(client, 1, 0xffffffff);
+  EXPECT_FALSE(bench.sessions.job_at().has_value()) << "older than the first";
+  bench.ask(client, 1, 1);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{1});
 }
 
 TEST(Sessions, ClientsWithMoreWorkHaveFewerTurns) {
-  House house;
+  SessionsBench bench;
   std::vector<LinkClient> clients;
-  for (std::uint16_t port = 1; port <= 3; ++port) clients.push_back(house.join(port, {}, kRing[port - 1u]));
+  for (std::uint16_t port = 1; port <= 3; ++port) clients.push_back(bench.join(port, {}, kRing[port - 1u]));
   const std::vector<std::vector<std::byte>> messages;
   std::array<int, 3> served{};
   Duration longest{}, waited{};
   for (std::uint32_t frame = 1; frame <= 120; ++frame) {
-    for (std::uint16_t port = 1; port <= 3; ++port) house.ask(clients[port - 1u], port, frame);
-    const auto job = house.sessions.next_job({});
+    for (std::uint16_t port = 1; port <= 3; ++port) bench.ask(clients[port - 1u], port, frame);
+    const auto job = bench.sessions.next_job({});
     const auto who = static_cast<std::size_t>(std::ranges::find(clients, job->session, &LinkClient::session) -
                                               clients.begin());
     const Duration work = who == 2 ? 50ms : 5ms;
-    house.sessions.put(job->session, messages, work, {});
+    bench.sessions.put(job->session, messages, work, {});
     ++served[who];
     waited = who == 0 ? Duration{} : waited + work;
     longest = std::max(longest, waited);
@@ -272,51 +272,51 @@ TEST(Sessions, ClientsWithMoreWorkHaveFewerTurns) {
 }
 
 /// Keeps a session alive until `until`, from the time at which its first key is used.
-std::uint32_t asked_until(House& house, LinkClient& client, Time until) {
+std::uint32_t asked_until(SessionsBench& bench, LinkClient& client, Time until) {
   std::uint32_t frame = 0;
-  for (Time now{}; now < until; now += 5s) house.ask(client, 1, ++frame, now);
+  for (Time now{}; now < until; now += 5s) bench.ask(client, 1, ++frame, now);
   return frame;
 }
 
 TEST(Sessions, ADatagramThatIsDueIsSealedWithTheKeyOfItsTime) {
-  House house;
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
   constexpr Time kBefore = Time(kEpochTime - 1s), kAfter = Time(kEpochTime + 1s);
-  const std::uint32_t frame = asked_until(house, client, kBefore);
-  house.ask(client, 1, frame + 1, kBefore);
-  house.sessions.put(house.sessions.next_job(kBefore)->session, {Bytes(100)}, {}, kBefore);
+  const std::uint32_t frame = asked_until(bench, client, kBefore);
+  bench.ask(client, 1, frame + 1, kBefore);
+  bench.sessions.put(bench.sessions.next_job(kBefore)->session, {Bytes(100)}, {}, kBefore);
   Peer to;
   Bytes datagram;
-  ASSERT_TRUE(house.sessions.seal_due(kAfter, to, datagram));
+  ASSERT_TRUE(bench.sessions.seal_due(kAfter, to, datagram));
   EXPECT_EQ(std::get<Sealed>(*open_server_envelope(datagram)).epoch, 1u);
 }
 
 TEST(Sessions, AReplyIsSealedWithTheKeyOfItsTime) {
-  House house;
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
   constexpr Time kAfter = Time(kEpochTime + 1s);
-  const std::uint32_t frame = asked_until(house, client, Time(kEpochTime - 1s));
-  const Bytes reply = house.say(1, client.seal({.request = request_of(frame + 1, kSize)}), kAfter);
+  const std::uint32_t frame = asked_until(bench, client, Time(kEpochTime - 1s));
+  const Bytes reply = bench.say(1, client.seal({.request = request_of(frame + 1, kSize)}), kAfter);
   ASSERT_FALSE(reply.empty()) << "a probe, after seconds without one";
   EXPECT_EQ(std::get<Sealed>(*open_server_envelope(reply)).epoch, 1u);
 }
 
 TEST(Sessions, AnIdleClientBanksOneTurnAndNoMore) {
-  House house;
-  LinkClient one = house.join(1), two = house.join(2, {}, kRing[1]);
+  SessionsBench bench;
+  LinkClient one = bench.join(1), two = bench.join(2, {}, kRing[1]);
   std::uint32_t frame = 0;
   for (int i = 0; i < 100; ++i) {
-    house.ask(one, 1, ++frame);
-    house.sessions.put(house.sessions.next_job({})->session, {}, 5ms, {});
+    bench.ask(one, 1, ++frame);
+    bench.sessions.put(bench.sessions.next_job({})->session, {}, 5ms, {});
   }
   const auto of_one = [&](int turns) {
     int count = 0;
     for (int i = 0; i < turns; ++i) {
-      house.ask(one, 1, ++frame);
-      house.ask(two, 2, ++frame);
-      const auto job = house.sessions.next_job({});
+      bench.ask(one, 1, ++frame);
+      bench.ask(two, 2, ++frame);
+      const auto job = bench.sessions.next_job({});
       count += job->session == one.session;
-      house.sessions.put(job->session, {}, 5ms, {});
+      bench.sessions.put(job->session, {}, 5ms, {});
     }
     return count;
   };
@@ -325,96 +325,96 @@ TEST(Sessions, AnIdleClientBanksOneTurnAndNoMore) {
 }
 
 /// The turns that the first of two sessions of one key gets of the next `turns`, if both always want more.
-int turns_of_first(House& house, LinkClient& one, LinkClient& two, std::uint32_t& frame, int turns,
+int turns_of_first(SessionsBench& bench, LinkClient& one, LinkClient& two, std::uint32_t& frame, int turns,
                    Duration work_of_one) {
   int of_one = 0;
   for (int i = 0; i < turns; ++i) {
-    house.ask(one, 1, ++frame);
-    house.ask(two, 2, ++frame);
-    const SessionId served = house.sessions.next_job({})->session;
+    bench.ask(one, 1, ++frame);
+    bench.ask(two, 2, ++frame);
+    const SessionId served = bench.sessions.next_job({})->session;
     of_one += served == one.session;
-    house.sessions.put(served, {}, served == one.session ? work_of_one : 5ms, {});
+    bench.sessions.put(served, {}, served == one.session ? work_of_one : 5ms, {});
   }
   return of_one;
 }
 
 TEST(Sessions, AnIdleSessionSavesNoTurnsAgainstAnotherOfItsKey) {
-  House house;
-  LinkClient one = house.join(1), two = house.join(2);
+  SessionsBench bench;
+  LinkClient one = bench.join(1), two = bench.join(2);
   std::uint32_t frame = 0;
   for (int i = 0; i < 100; ++i) {
-    house.ask(one, 1, ++frame);
-    house.sessions.put(house.sessions.next_job({})->session, {}, 5ms, {});
+    bench.ask(one, 1, ++frame);
+    bench.sessions.put(bench.sessions.next_job({})->session, {}, 5ms, {});
   }
-  EXPECT_NEAR(turns_of_first(house, one, two, frame, 10, 5ms), 5, 1);
+  EXPECT_NEAR(turns_of_first(bench, one, two, frame, 10, 5ms), 5, 1);
 }
 
 TEST(Sessions, ASessionWithMoreWorkHasFewerTurnsThanAnotherOfItsKey) {
-  House house;
-  LinkClient one = house.join(1), two = house.join(2);
+  SessionsBench bench;
+  LinkClient one = bench.join(1), two = bench.join(2);
   std::uint32_t frame = 0;
-  EXPECT_NEAR(turns_of_first(house, one, two, frame, 110, 50ms), 10, 1);
+  EXPECT_NEAR(turns_of_first(bench, one, two, frame, 110, 50ms), 10, 1);
 }
 
 TEST(Sessions, FrameOrderSurvivesWraparound) {
-  House house;
-  LinkClient client = house.join(1);
-  for (const std::uint32_t frame : {0xffffffffu, 1u, 0xfffffffeu}) house.ask(client, 1, frame);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
+  for (const std::uint32_t frame : {0xffffffffu, 1u, 0xfffffffeu}) bench.ask(client, 1, frame);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{1});
 }
 
 TEST(Sessions, ReplayedForgedAndCutDatagramsChangeNothing) {
-  House house;
-  LinkClient client = house.join(1);
+  SessionsBench bench;
+  LinkClient client = bench.join(1);
   const Bytes requested = client.seal({.request = request_of(1, kSize)});
-  house.say(1, requested);
-  ASSERT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
-  EXPECT_TRUE(house.say(1, requested, Time(1s)).empty());
-  EXPECT_EQ(house.taken.error(), WireRefusal::Replayed);
+  bench.say(1, requested);
+  ASSERT_EQ(bench.sessions.next_job({})->request.frame, FrameId{1});
+  EXPECT_TRUE(bench.say(1, requested, Time(1s)).empty());
+  EXPECT_EQ(bench.taken.error(), WireRefusal::Replayed);
   const Bytes next = client.seal({.request = request_of(2, kSize)});
   for (std::size_t i = 15; i < next.size(); ++i) {  // after magic, version, type and session
     Bytes forged = next;
     forged[i] ^= std::byte{0x10};
-    EXPECT_TRUE(house.say(2, forged, Time(1s)).empty());
-    EXPECT_FALSE(house.taken.has_value()) << i;
+    EXPECT_TRUE(bench.say(2, forged, Time(1s)).empty());
+    EXPECT_FALSE(bench.taken.has_value()) << i;
   }
   for (std::size_t size = 0; size < next.size(); ++size) {
-    house.say(2, Bytes(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(size)), Time(1s));
-    EXPECT_FALSE(house.taken.has_value()) << size;
+    bench.say(2, Bytes(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(size)), Time(1s));
+    EXPECT_FALSE(bench.taken.has_value()) << size;
   }
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 1}));
-  house.say(1, next, Time(2s));
-  EXPECT_EQ(house.sessions.next_job(Time(2s))->request.frame, FrameId{2})
+  EXPECT_EQ(bench.sessions.counters(), counted({.welcomed = 1, .requests = 1}));
+  bench.say(1, next, Time(2s));
+  EXPECT_EQ(bench.sessions.next_job(Time(2s))->request.frame, FrameId{2})
       << "the genuine request still counts";
 }
 
 TEST(Sessions, ClientRestartedAtItsAddressReplacesItsOlderSession) {
-  House house;
-  LinkClient before = house.join(1), elsewhere = house.join(2), other = house.join(1, {}, kRing[1]);
-  house.ask(before, 1, 1000);
-  LinkClient after = house.join(1);
-  EXPECT_EQ(house.sessions.size(), 4u) << "a repeated hello ends no session";
-  house.ask(after, 1, 1);
-  EXPECT_EQ(house.sessions.size(), 3u);
-  EXPECT_EQ(house.sessions.counters().replaced, 1u);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
-  house.ask(before, 1, 1001);
+  SessionsBench bench;
+  LinkClient before = bench.join(1), elsewhere = bench.join(2), other = bench.join(1, {}, kRing[1]);
+  bench.ask(before, 1, 1000);
+  LinkClient after = bench.join(1);
+  EXPECT_EQ(bench.sessions.size(), 4u) << "a repeated hello ends no session";
+  bench.ask(after, 1, 1);
+  EXPECT_EQ(bench.sessions.size(), 3u);
+  EXPECT_EQ(bench.sessions.counters().replaced, 1u);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{1});
+  bench.ask(before, 1, 1001);
   EXPECT_EQ(before.no_session, 1u);
-  house.ask(elsewhere, 2, 2);
-  house.ask(other, 1, 3);
+  bench.ask(elsewhere, 2, 2);
+  bench.ask(other, 1, 3);
   EXPECT_EQ(elsewhere.no_session + other.no_session, 0u) << "another address, another key";
 }
 
 TEST(Sessions, ClientsTakeTurnsWhateverTheyAsk) {
-  House house;
+  SessionsBench bench;
   std::vector<LinkClient> clients;
-  for (std::uint16_t port = 0; port < 3; ++port) clients.push_back(house.join(port));
+  for (std::uint16_t port = 0; port < 3; ++port) clients.push_back(bench.join(port));
   std::uint32_t frame = 0;
-  const auto ask = [&](std::uint16_t port) { house.ask(clients[port], port, ++frame); };
+  const auto ask = [&](std::uint16_t port) { bench.ask(clients[port], port, ++frame); };
   for (std::uint16_t port = 0; port < 3; ++port) ask(port);
   std::vector<std::uint16_t> turns;
   for (int i = 0; i < 9; ++i) {
-    const SessionId served = house.sessions.next_job({})->session;
+    const SessionId served = bench.sessions.next_job({})->session;
     const auto client = std::ranges::find(clients, served, &LinkClient::session);
     turns.push_back(static_cast<std::uint16_t>(client - clients.begin()));
     for (int often = 0; often < 5; ++often) ask(0);  // greedy
@@ -424,223 +424,223 @@ TEST(Sessions, ClientsTakeTurnsWhateverTheyAsk) {
 }
 
 TEST(SessionOffer, EndsSessionsThatUseAWithdrawnAnswerOrMayAskForIt) {
-  House house;
+  SessionsBench bench;
   Welcome served = kServed;
   served.answers = kEveryAnswer;
-  house.sessions = Sessions(served, kRing);
+  bench.sessions = Sessions(served, kRing);
   const auto ask_for = [&](LinkClient& client, std::uint16_t port, std::uint32_t frame, Answer answer) {
     FrameRequest request = request_of(frame, kSize);
     request.answer.kind = answer;
-    house.talk(client, port, client.seal({.request = request}));
+    bench.talk(client, port, client.seal({.request = request}));
   };
-  LinkClient masks = house.join(1), planes = house.join(2), silent = house.join(3);
+  LinkClient masks = bench.join(1), planes = bench.join(2), silent = bench.join(3);
   ask_for(masks, 1, 1, Answer::Masks);
   ask_for(planes, 2, 1, Answer::GBuffer);
-  house.sessions.offer(kTracedAnswers);
-  EXPECT_EQ(house.sessions.counters().withdrawn, 2u);
-  EXPECT_EQ(house.sessions.size(), 1u);
+  bench.sessions.offer(kTracedAnswers);
+  EXPECT_EQ(bench.sessions.counters().withdrawn, 2u);
+  EXPECT_EQ(bench.sessions.size(), 1u);
   ask_for(planes, 2, 2, Answer::GBuffer);
   EXPECT_EQ(planes.no_session, 1u) << "the client is told";
-  planes = house.join(2);
+  planes = bench.join(2);
   EXPECT_EQ(planes.welcome->answers, kTracedAnswers) << "and learns what is offered";
   ask_for(masks, 1, 2, Answer::Masks);
   ask_for(planes, 2, 3, Answer::GBuffer);
   ask_for(silent, 3, 1, Answer::GBuffer);
   EXPECT_EQ(masks.no_session, 0u);
   EXPECT_EQ(silent.no_session, 1u) << "its Welcome offered the answer";
-  EXPECT_EQ(house.sessions.counters().unanswered, 1u);
-  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{2});
-  EXPECT_FALSE(house.sessions.next_job({}));
+  EXPECT_EQ(bench.sessions.counters().unanswered, 1u);
+  EXPECT_EQ(bench.sessions.next_job({})->request.frame, FrameId{2});
+  EXPECT_FALSE(bench.sessions.next_job({}));
 }
 
 TEST(SessionOffer, ASessionThatStaysGetsNoWithdrawnAnswer) {
-  House house;
+  SessionsBench bench;
   Welcome served = kServed;
   served.answers = kEveryAnswer;
-  house.sessions = Sessions(served, kRing);
-  LinkClient client = house.join(1);
-  house.ask(client, 1, 1);
-  ASSERT_TRUE(house.sessions.next_job({}).has_value());
-  house.sessions.offer(kTracedAnswers);
+  bench.sessions = Sessions(served, kRing);
+  LinkClient client = bench.join(1);
+  bench.ask(client, 1, 1);
+  ASSERT_TRUE(bench.sessions.next_job({}).has_value());
+  bench.sessions.offer(kTracedAnswers);
   FrameRequest request = request_of(2, kSize);
   request.answer.kind = Answer::GBuffer;
-  house.talk(client, 1, client.seal({.request = request}));
+  bench.talk(client, 1, client.seal({.request = request}));
   EXPECT_EQ(client.no_session, 0u) << "it has requested masks only, and they are still offered";
-  EXPECT_FALSE(house.sessions.next_job({}).has_value());
-  EXPECT_EQ(house.sessions.counters().unanswered, 1u);
+  EXPECT_FALSE(bench.sessions.next_job({}).has_value());
+  EXPECT_EQ(bench.sessions.counters().unanswered, 1u);
 }
 
 TEST(Sessions, RepeatedHelloGetsTheVerySameAcceptAndNoSecondSession) {
-  House house;
+  SessionsBench bench;
   LinkClient client(kRing[0], kServed);
-  const Bytes proved = client.take(house.say(1, client.hello()), {});
-  const Bytes accept = house.say(1, proved);
+  const Bytes proved = client.take(bench.say(1, client.hello()), {});
+  const Bytes accept = bench.say(1, proved);
   client.take(accept, {});
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(house.say(1, proved, Time(i * 100ms)), accept);
-  house.ask(client, 1, 1, Time(1s));
-  EXPECT_EQ(house.say(1, proved, Time(1s)), accept) << "an active session is not disturbed";
-  house.ask(client, 1, 2, Time(1s));
-  EXPECT_EQ(house.sessions.size(), 1u);
-  EXPECT_EQ(house.sessions.counters().welcomed, 1u);
-  EXPECT_EQ(house.sessions.counters().repeated, 11u);
-  EXPECT_EQ(house.sessions.next_job(Time(1s))->request.frame, FrameId{2});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(bench.say(1, proved, Time(i * 100ms)), accept);
+  bench.ask(client, 1, 1, Time(1s));
+  EXPECT_EQ(bench.say(1, proved, Time(1s)), accept) << "an active session is not disturbed";
+  bench.ask(client, 1, 2, Time(1s));
+  EXPECT_EQ(bench.sessions.size(), 1u);
+  EXPECT_EQ(bench.sessions.counters().welcomed, 1u);
+  EXPECT_EQ(bench.sessions.counters().repeated, 11u);
+  EXPECT_EQ(bench.sessions.next_job(Time(1s))->request.frame, FrameId{2});
 }
 
 TEST(Sessions, HelloCaughtAndRepeatedElsewhereProvesNothing) {
-  House house;
+  SessionsBench bench;
   LinkClient client(kRing[0], kServed);
-  const Bytes proved = client.take(house.say(1, client.hello()), {});
-  const Bytes answer = house.say(2, proved);
+  const Bytes proved = client.take(bench.say(1, client.hello()), {});
+  const Bytes answer = bench.say(2, proved);
   EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer)));
-  EXPECT_EQ(house.sessions.size(), 0u);
+  EXPECT_EQ(bench.sessions.size(), 0u);
 }
 
 TEST(Sessions, HelloRepeatedBySomebodyElseLeavesOneSessionForAsLongAsItIsUnconfirmed) {
-  House house;
+  SessionsBench bench;
   LinkClient client(kRing[0], kServed);
-  const Bytes proved = client.take(house.say(1, client.hello()), {});
-  const Bytes accept = house.say(1, proved);
+  const Bytes proved = client.take(bench.say(1, client.hello()), {});
+  const Bytes accept = bench.say(1, proved);
   const Duration unconfirmed = SessionLimits{}.unconfirmed;
   for (Duration at = 0s; at <= unconfirmed; at += 50ms) {
-    const Bytes answer = house.say(1, proved, Time(at));
+    const Bytes answer = bench.say(1, proved, Time(at));
     if (answer != accept) {
       EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer))) << "its cookie has expired";
       EXPECT_GT(at, kCookiePeriod);
     }
-    EXPECT_EQ(house.sessions.size(), 1u);
+    EXPECT_EQ(bench.sessions.size(), 1u);
   }
   for (Duration at = unconfirmed + 1ms; at < 60s; at += 500ms) {
-    house.say(1, proved, Time(at));
-    EXPECT_EQ(house.sessions.size(), 0u) << "without a valid cookie there is never a session";
+    bench.say(1, proved, Time(at));
+    EXPECT_EQ(bench.sessions.size(), 0u) << "without a valid cookie there is never a session";
   }
-  EXPECT_EQ(house.sessions.counters().welcomed, 1u);
-  EXPECT_EQ(house.sessions.counters().forgotten, 1u);
+  EXPECT_EQ(bench.sessions.counters().welcomed, 1u);
+  EXPECT_EQ(bench.sessions.counters().forgotten, 1u);
 }
 
 TEST(Sessions, AFullServerRefusesTheNextClientOnly) {
-  House house({.sessions = 2});
-  LinkClient first = house.join(1), second = house.join(2);
-  const LinkClient third = house.join(3);
+  SessionsBench bench({.sessions = 2});
+  LinkClient first = bench.join(1), second = bench.join(2);
+  const LinkClient third = bench.join(3);
   ASSERT_TRUE(third.refusal.has_value());
   EXPECT_EQ(third.refusal->reason, RefusalReason::Busy);
-  EXPECT_EQ(house.sessions.size(), 2u);
-  EXPECT_EQ(house.sessions.counters().busy, 1u);
-  house.talk(second, 2, second.hello());
-  EXPECT_EQ(house.sessions.counters().repeated, 1u) << "the server repeats its accept";
-  house.ask(first, 1, 1);
-  EXPECT_TRUE(house.taken.has_value());
+  EXPECT_EQ(bench.sessions.size(), 2u);
+  EXPECT_EQ(bench.sessions.counters().busy, 1u);
+  bench.talk(second, 2, second.hello());
+  EXPECT_EQ(bench.sessions.counters().repeated, 1u) << "the server repeats its accept";
+  bench.ask(first, 1, 1);
+  EXPECT_TRUE(bench.taken.has_value());
 }
 
 TEST(Sessions, ShakesHandsNoMoreOftenThanItsLimit) {
-  House house({.sessions = 1000, .handshakes_per_second = 10});
-  house.sessions.set_ring({kRing[0]});  // all handshakes are of one key
+  SessionsBench bench({.sessions = 1000, .handshakes_per_second = 10});
+  bench.sessions.set_ring({kRing[0]});  // all handshakes are of one key
   std::uint16_t port = 0;
   const auto come = [&](int count, Time now) {
-    const std::size_t before = house.sessions.size();
-    for (int i = 0; i < count; ++i) house.join(++port, now);
-    return house.sessions.size() - before;
+    const std::size_t before = bench.sessions.size();
+    for (int i = 0; i < count; ++i) bench.join(++port, now);
+    return bench.sessions.size() - before;
   };
   EXPECT_EQ(come(50, Time(0s)), 10u);
-  EXPECT_EQ(house.sessions.gate().too_many, 40u);
+  EXPECT_EQ(bench.sessions.gate().too_many, 40u);
   EXPECT_EQ(come(50, Time(500ms)), 5u);
   EXPECT_EQ(come(50, Time(4s)), 10u) << "no more tokens were saved";
 }
 
 TEST(Sessions, SendsAClientNoMoreThanItsLimitOfBytesASecond) {
   constexpr double kMost = 100e3;
-  House house({.bytes_per_second = kMost});
-  LinkClient client = house.join(1);
+  SessionsBench bench({.bytes_per_second = kMost});
+  LinkClient client = bench.join(1);
   const std::vector<Bytes> messages(20, Bytes(kMaxMessage_bytes, std::byte{5}));
   std::size_t sent = 0;
   Time now{};
   for (std::uint32_t frame = 1; now < Time(10s); now += 5ms, ++frame) {
-    house.talk(client, 1,
+    bench.talk(client, 1,
                client.seal({.request = request_of(frame, kSize), .arrivals = client.arrivals.report()}), now);
-    if (const auto job = house.sessions.next_job(now)) house.sessions.put(job->session, messages, {}, now);
+    if (const auto job = bench.sessions.next_job(now)) bench.sessions.put(job->session, messages, {}, now);
     Peer to;
-    for (Bytes datagram; house.sessions.seal_due(now, to, datagram); sent += datagram.size())
+    for (Bytes datagram; bench.sessions.seal_due(now, to, datagram); sent += datagram.size())
       client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now);
   }
   EXPECT_LE(static_cast<double>(sent), 1.05 * kMost * 10);
   EXPECT_GE(static_cast<double>(sent), 0.7 * kMost * 10);
-  EXPECT_GT(house.sessions.counters().held_back, 20u);
+  EXPECT_GT(bench.sessions.counters().held_back, 20u);
 }
 
-std::vector<std::string> events_in_words(House& house) {
+std::vector<std::string> events_in_words(SessionsBench& bench) {
   std::vector<std::string> words;
-  for (const ClientEvent& event : house.sessions.take_events()) words.push_back(in_words(event));
+  for (const ClientEvent& event : bench.sessions.take_events()) words.push_back(in_words(event));
   return words;
 }
 
 TEST(SessionEvents, TellTheLogWhoComesAndGoes) {
-  House house({.silence = 10s, .unconfirmed = 5s});
-  LinkClient client = house.join(1), doctor = house.join(2);
+  SessionsBench bench({.silence = 10s, .unconfirmed = 5s});
+  LinkClient client = bench.join(1), doctor = bench.join(2);
   Welcome none = kServed;
   none.scene_hash = kNoScene;
   LinkClient asks(kRing[1], none);
-  house.talk(asks, 3, asks.hello());
-  house.ask(client, 1, 1, Time(3s));
-  EXPECT_EQ(events_in_words(house),
+  bench.talk(asks, 3, asks.hello());
+  bench.ask(client, 1, 1, Time(3s));
+  EXPECT_EQ(events_in_words(bench),
             (std::vector<std::string>{
                 "welcomed ada at " + to_string(peer(1)), "welcomed ada at " + to_string(peer(2)),
                 "bob at " + to_string(peer(3)) + " asked which scene is served (vr_client doctor)"}));
-  EXPECT_EQ(house.sessions.silent_at(), Time(5s) + Duration(1));
-  house.sessions.end_silent(Time(5s));
-  EXPECT_TRUE(events_in_words(house).empty());
-  house.sessions.end_silent(Time(20s));
-  EXPECT_EQ(events_in_words(house),
+  EXPECT_EQ(bench.sessions.silent_at(), Time(5s) + Duration(1));
+  bench.sessions.end_silent(Time(5s));
+  EXPECT_TRUE(events_in_words(bench).empty());
+  bench.sessions.end_silent(Time(20s));
+  EXPECT_EQ(events_in_words(bench),
             (std::vector<std::string>{
                 "ada at " + to_string(peer(1)) + " left without a word; it was connected for 3 s",
                 "ada at " + to_string(peer(2)) + " left without a request"}));
-  EXPECT_FALSE(house.sessions.silent_at().has_value());
+  EXPECT_FALSE(bench.sessions.silent_at().has_value());
 }
 
 /// The server waits until silent_at() if no datagram arrives.
 TEST(Sessions, ASilentClientIsForgottenAlthoughNoDatagramArrivesAfterAnEarlierOneWas) {
-  House house({.silence = 10s, .unconfirmed = 5s});
-  LinkClient asks = house.join(1);
-  house.join(2);
-  house.ask(asks, 1, 1, Time(3s));
-  house.sessions.end_silent(house.sessions.silent_at().value());
-  EXPECT_EQ(house.sessions.size(), 1u);
-  ASSERT_EQ(house.sessions.silent_at(), Time(13s) + Duration(1));
-  house.sessions.end_silent(house.sessions.silent_at().value());
-  EXPECT_EQ(house.sessions.size(), 0u);
+  SessionsBench bench({.silence = 10s, .unconfirmed = 5s});
+  LinkClient asks = bench.join(1);
+  bench.join(2);
+  bench.ask(asks, 1, 1, Time(3s));
+  bench.sessions.end_silent(bench.sessions.silent_at().value());
+  EXPECT_EQ(bench.sessions.size(), 1u);
+  ASSERT_EQ(bench.sessions.silent_at(), Time(13s) + Duration(1));
+  bench.sessions.end_silent(bench.sessions.silent_at().value());
+  EXPECT_EQ(bench.sessions.size(), 0u);
 }
 
 TEST(SessionEvents, TellTheLogWhyAKeyIsRefused) {
-  House house, open;
+  SessionsBench bench, open;
   open.sessions.set_ring({insecure_key()});
   SharedKey stranger = key_named("mallory"), liar = kRing[0];
-  const auto told = [](House& where, std::uint16_t port, const SharedKey& key) {
+  const auto told = [](SessionsBench& where, std::uint16_t port, const SharedKey& key) {
     where.join(port, {}, key);
     return events_in_words(where).at(0);
   };
-  EXPECT_NE(told(house, 1, stranger).find("no key of the ring has its id " + short_form(id_of(stranger))),
+  EXPECT_NE(told(bench, 1, stranger).find("no key of the ring has its id " + short_form(id_of(stranger))),
             std::string::npos);
-  EXPECT_NE(told(house, 2, insecure_key()).find("start it without --insecure"), std::string::npos);
+  EXPECT_NE(told(bench, 2, insecure_key()).find("start it without --insecure"), std::string::npos);
   EXPECT_NE(told(open, 3, stranger).find("start it with --insecure"), std::string::npos);
   LinkClient honest(liar, kServed);
-  Bytes proved = honest.take(house.say(4, honest.hello()), {});
+  Bytes proved = honest.take(bench.say(4, honest.hello()), {});
   proved[kHelloProved_bytes] ^= std::byte{1};
-  house.say(4, proved);
-  EXPECT_NE(events_in_words(house).at(0).find("it named the key 'ada' and could not prove"),
+  bench.say(4, proved);
+  EXPECT_NE(events_in_words(bench).at(0).find("it named the key 'ada' and could not prove"),
             std::string::npos);
 }
 
 TEST(Sessions, ANewRingAdmitsNewKeysAndEndsTheSessionsOfOthers) {
-  House house;
-  LinkClient ada = house.join(1), bob = house.join(2, {}, kRing[1]);
+  SessionsBench bench;
+  LinkClient ada = bench.join(1), bob = bench.join(2, {}, kRing[1]);
   SharedKey renewed = kRing[1];
   renewed.secret[0] ^= 1;
-  house.sessions.set_ring({kRing[0], renewed, key_named("new")});
-  house.ask(ada, 1, 1);
-  house.ask(bob, 2, 1);
+  bench.sessions.set_ring({kRing[0], renewed, key_named("new")});
+  bench.ask(ada, 1, 1);
+  bench.ask(bob, 2, 1);
   EXPECT_EQ(ada.no_session, 0u);
   EXPECT_EQ(bob.no_session, 1u) << "the same name with another secret";
-  EXPECT_EQ(house.sessions.counters().revoked, 1u);
-  EXPECT_TRUE(house.join(3, {}, key_named("new")).welcome.has_value());
-  EXPECT_FALSE(house.join(4, {}, kRing[2]).welcome.has_value());
+  EXPECT_EQ(bench.sessions.counters().revoked, 1u);
+  EXPECT_TRUE(bench.join(3, {}, key_named("new")).welcome.has_value());
+  EXPECT_FALSE(bench.join(4, {}, kRing[2]).welcome.has_value());
 }
 
 TEST(ServerCounters, NameOnlyWhatHasHappened) {
@@ -654,21 +654,21 @@ TEST(ServerCounters, NameOnlyWhatHasHappened) {
 }
 
 TEST(Sessions, SilentClientsAreForgottenAfterTheStatedTime) {
-  House house({.sessions = 3, .silence = 10s, .unconfirmed = 5s});
-  LinkClient silent = house.join(1), talks = house.join(2), unconfirmed = house.join(3);
-  house.ask(silent, 1, 1);
+  SessionsBench bench({.sessions = 3, .silence = 10s, .unconfirmed = 5s});
+  LinkClient silent = bench.join(1), talks = bench.join(2), unconfirmed = bench.join(3);
+  bench.ask(silent, 1, 1);
   const auto ask = [&](std::uint32_t frame, Time now) {
-    house.ask(talks, 2, frame, now);
-    return house.sessions.size();
+    bench.ask(talks, 2, frame, now);
+    return bench.sessions.size();
   };
   EXPECT_EQ(ask(1, Time(5s)), 3u);
   EXPECT_EQ(ask(2, Time(5s + 1ms)), 2u) << "the client that sent nothing sealed";
   EXPECT_EQ(ask(3, Time(10s)), 2u);
   EXPECT_EQ(ask(4, Time(10s + 1ms)), 1u);
-  EXPECT_EQ(house.sessions.counters().forgotten, 2u);
-  house.ask(silent, 1, 2, Time(11s));
+  EXPECT_EQ(bench.sessions.counters().forgotten, 2u);
+  bench.ask(silent, 1, 2, Time(11s));
   EXPECT_EQ(silent.no_session, 1u);
-  EXPECT_TRUE(house.join(4, Time(11s)).welcome.has_value()) << "there is room again";
+  EXPECT_TRUE(bench.join(4, Time(11s)).welcome.has_value()) << "there is room again";
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ class KeysInUseTest : public FetchTest {
     return offer.has_value();
   }
 
-  [[nodiscard]] bool can_meet(const SharedKey& key) {
-    return link_test::PortClient(link_.client(), link_.server().local(), key, link_test::kServed).meet(1s);
+  [[nodiscard]] bool can_connect(const SharedKey& key) {
+    return link_test::PortClient(link_.client(), link_.server().local(), key, link_test::kServed).connect(1s);
   }
 
   void set_time_of_ring(Duration from_now) const {
@@ -60,14 +60,14 @@ TEST_F(KeysInUseTest, AKeyExpiresAtTheEndOfItsLastDay) {
   key_.limits.until = kDay;
   KeysInUse keys = keys_in_use({key_, lasting});
   EXPECT_TRUE(can_fetch(key_));
-  EXPECT_TRUE(can_meet(key_));
+  EXPECT_TRUE(can_connect(key_));
   today_ += std::chrono::days(1);
   keys.look_again();
   EXPECT_FALSE(can_fetch(key_));
   EXPECT_TRUE(can_fetch(lasting));
   EXPECT_EQ(core_->counters().sessions.expired, 1u);
-  EXPECT_FALSE(can_meet(key_));
-  EXPECT_TRUE(can_meet(lasting));
+  EXPECT_FALSE(can_connect(key_));
+  EXPECT_TRUE(can_connect(lasting));
 }
 
 TEST_F(KeysInUseTest, AKeyThatHasExpiredIsRefusedFromTheBeginning) {
@@ -75,9 +75,9 @@ TEST_F(KeysInUseTest, AKeyThatHasExpiredIsRefusedFromTheBeginning) {
   key_.limits.until = kDay - std::chrono::days(1);
   const KeysInUse keys = keys_in_use({key_, lasting});
   EXPECT_FALSE(can_fetch(key_));
-  EXPECT_FALSE(can_meet(key_));
+  EXPECT_FALSE(can_connect(key_));
   EXPECT_TRUE(can_fetch(lasting));
-  EXPECT_TRUE(can_meet(lasting));
+  EXPECT_TRUE(can_connect(lasting));
 }
 
 TEST_F(KeysInUseTest, NobodyIsAdmittedWhileTheRingCannotBeReadWhichIsTriedAgain) {
@@ -85,12 +85,12 @@ TEST_F(KeysInUseTest, NobodyIsAdmittedWhileTheRingCannotBeReadWhichIsTriedAgain)
   std::ofstream(ring_, std::ios::app) << "no key\n";
   keys.reload();
   EXPECT_FALSE(can_fetch(key_));
-  EXPECT_FALSE(can_meet(key_));
+  EXPECT_FALSE(can_connect(key_));
   std::filesystem::remove(ring_);
   ASSERT_TRUE(append_to_ring(ring_, key_));
   keys.look_again();
   EXPECT_TRUE(can_fetch(key_));
-  EXPECT_TRUE(can_meet(key_));
+  EXPECT_TRUE(can_connect(key_));
 }
 
 TEST_F(KeysInUseTest, ARingWithoutKeysIsReadAgainUntilItHasSome) {

@@ -71,10 +71,10 @@ TEST(TracerFrame, ATraceThatIsGivenUpEndsAtTheNextGroupsAndHarmsNoLaterOne) {
   frame = whole;
   for (std::byte& byte : frame.masks[1].bytes())
     byte = std::byte{0xff};  // no trace of three lights writes that
-  std::atomic<int> asked = 0;
-  EXPECT_THROW(tracer.trace(request, frame, [&] { return ++asked > 100; }), TraceGivenUp);
+  std::atomic<int> requested = 0;
+  EXPECT_THROW(tracer.trace(request, frame, [&] { return ++requested > 100; }), TraceGivenUp);
   EXPECT_GT(std::ranges::count(frame.masks[1].bytes(), std::byte{0xff}), 512 * 512 / 4) << "it goes on";
-  EXPECT_LT(asked, 100 + 2 * static_cast<int>(std::thread::hardware_concurrency()) + 1)
+  EXPECT_LT(requested, 100 + 2 * static_cast<int>(std::thread::hardware_concurrency()) + 1)
       << "of 2,048 groups; a core may ask while another one is told";
   tracer.trace(request, frame, [] { return false; });
   EXPECT_EQ(frame.masks, whole.masks);

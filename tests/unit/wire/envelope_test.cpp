@@ -38,13 +38,13 @@ TEST(Envelopes, ComeBackAsTheyWere) {
   EXPECT_EQ(std::get<OpenRefusal>(*open_server_envelope(enveloped(open_refusal()))), open_refusal());
   EXPECT_EQ(std::get<NoSession>(*open_server_envelope(enveloped(no_session()))), no_session());
 
-  const Bytes met = enveloped(accept_sample(kSealedBytes));
-  const auto accept = std::get<Accept>(*open_server_envelope(met));
+  const Bytes accept_bytes = enveloped(accept_sample(kSealedBytes));
+  const auto accept = std::get<Accept>(*open_server_envelope(accept_bytes));
   EXPECT_EQ(accept.echo, accept_sample({}).echo);
   EXPECT_EQ(accept.session, accept_sample({}).session);
   EXPECT_EQ(accept.server, accept_sample({}).server);
   EXPECT_EQ(Bytes(accept.sealed.begin(), accept.sealed.end()), kSealedBytes);
-  EXPECT_EQ(accept.sealed.data(), met.data() + kAcceptHeader_bytes);
+  EXPECT_EQ(accept.sealed.data(), accept_bytes.data() + kAcceptHeader_bytes);
 
   const Bytes bytes = enveloped(sealed_sample());
   for (const Sealed& sealed :

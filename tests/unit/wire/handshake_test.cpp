@@ -42,15 +42,15 @@ struct Answered {
 
 TEST(Handshake, GivesBothSidesTheSameKeys) {
   const Answered h;
-  const auto met = take(h.client, h.server.datagram);
-  ASSERT_TRUE(met);
-  EXPECT_EQ(std::get<Welcome>(met->answer), welcome());
-  EXPECT_EQ(met->keys.session, h.server.keys.session);
-  EXPECT_EQ(met->keys.to_server, h.server.keys.to_server);
-  EXPECT_EQ(met->keys.to_client, h.server.keys.to_client);
-  EXPECT_EQ(met->keys.sealing, Sealing::On);
+  const auto completed = take(h.client, h.server.datagram);
+  ASSERT_TRUE(completed);
+  EXPECT_EQ(std::get<Welcome>(completed->answer), welcome());
+  EXPECT_EQ(completed->keys.session, h.server.keys.session);
+  EXPECT_EQ(completed->keys.to_server, h.server.keys.to_server);
+  EXPECT_EQ(completed->keys.to_client, h.server.keys.to_client);
+  EXPECT_EQ(completed->keys.sealing, Sealing::On);
   EXPECT_EQ(h.server.keys.sealing, Sealing::On);
-  EXPECT_NE(met->keys.to_server, met->keys.to_client);
+  EXPECT_NE(completed->keys.to_server, completed->keys.to_client);
 }
 
 TEST(Handshake, SessionsOpenWhatTheOtherSideSealsAndNotWhatTheySealThemselves) {
@@ -67,9 +67,9 @@ TEST(Handshake, SessionsOpenWhatTheOtherSideSealsAndNotWhatTheySealThemselves) {
 
 TEST(Handshake, CarriesARefusalToAClientWithTheKey) {
   const ClientHandshake client(shared_key(), counting_hash());
-  const auto met = take(client, accepted(hello_of(client), shared_key(), refusal()).datagram);
-  ASSERT_TRUE(met);
-  EXPECT_EQ(std::get<Refusal>(met->answer), refusal());
+  const auto completed = take(client, accepted(hello_of(client), shared_key(), refusal()).datagram);
+  ASSERT_TRUE(completed);
+  EXPECT_EQ(std::get<Refusal>(completed->answer), refusal());
 }
 
 TEST(Handshake, TakesWelcomeOrRefusalAndNoOtherAnswer) {
@@ -258,8 +258,8 @@ TEST(Handshake, AServerThatRestartsNeverReusesANonceUnderAKey) {
   std::size_t same = 0;  // equal bytes of the two key streams; the expected share is 1 in 256
   for (std::size_t i = kSealedHeader_bytes; i < a.size() - kTag_bytes; ++i) same += a[i] == b[i] ? 1 : 0;
   EXPECT_LT(same, 20u);
-  const SessionKeys met = take(client, after.datagram)->keys;
-  Opener opener(met.to_client, met.sealing);
+  const SessionKeys completed = take(client, after.datagram)->keys;
+  Opener opener(completed.to_client, completed.sealing);
   Bytes opened;
   EXPECT_EQ(opener.open(std::get<Sealed>(*open_server_envelope(a)), a, opened).error(), WireRefusal::Forged);
   EXPECT_TRUE(opener.open(std::get<Sealed>(*open_server_envelope(b)), b, opened));
@@ -274,9 +274,9 @@ TEST(Handshake, OfTheKeyThatEveryoneKnowsTakesItsOwnAnswerOnly) {
 TEST(Handshake, OfTheKeyThatEveryoneKnowsSealsNothing) {
   const ClientHandshake client(insecure_key(), counting_hash());
   const Accepted server = accepted(hello_of(client), insecure_key(), welcome());
-  const auto met = take(client, server.datagram);
-  ASSERT_TRUE(met);
-  EXPECT_EQ(met->keys.sealing, Sealing::Off);
+  const auto completed = take(client, server.datagram);
+  ASSERT_TRUE(completed);
+  EXPECT_EQ(completed->keys.sealing, Sealing::Off);
   EXPECT_EQ(server.keys.sealing, Sealing::Off);
   EXPECT_EQ(insecure_key().secret, (std::array<std::uint8_t, 32>{}));
 }

@@ -318,7 +318,7 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.kind = MasksOfPositions, .coding = Coding::Lz4, .position_bits = 8},
            {.kind = GBuffer, .coding = Coding::Lz4},
            {.kind = Video, .bits_per_second = 100'000, .interval = frame, .coding = Coding::Lz4},
-           {.kind = Surround, .coding = Coding::Lz4},
+           {.kind = CubeMask, .coding = Coding::Lz4},
            {.position_bits = 8},
            {.kind = GBuffer, .slices = 1},
            {.kind = GBuffer, .position_bits = 16},

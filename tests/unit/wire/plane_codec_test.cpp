@@ -59,7 +59,7 @@ std::size_t bytes_in(const std::vector<Bytes>& messages) {
 
 struct Received {
   PixelPlane plane;
-  KnownTiles known;
+  ReceivedTiles known;
   std::uint32_t learned = 0;
 
   explicit Received(const PixelPlane& like)
@@ -83,7 +83,7 @@ void expect_round_trip(const PixelPlane& plane, PlaneKind kind) {
   }
   EXPECT_EQ(received.plane, plane) << plane.size.width << " x " << plane.size.height;
   EXPECT_EQ(received.learned, received.known.size());
-  EXPECT_EQ(received.known, KnownTiles(received.known.size(), 1));
+  EXPECT_EQ(received.known, ReceivedTiles(received.known.size(), 1));
 }
 
 class PlaneRoundTrip : public testing::TestWithParam<std::uint32_t> {};
@@ -176,7 +176,7 @@ TEST(PlaneSlices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
 }
 
 /// Decoding costs more than the bytes: a few bytes may have thousands of tiles.
-TEST(PlaneSlices, AKnownTileIsNotDecodedAgain) {
+TEST(PlaneSlices, AReceivedTileIsNotDecodedAgain) {
   std::mt19937 random(12);
   const PixelPlane plane = noise_plane({96, 96}, 4, random), other = noise_plane({96, 96}, 4, random);
   Received received(plane);
@@ -213,12 +213,12 @@ TEST(PlaneSlices, AreExactlyTheTilesTheyClaim) {
     EXPECT_EQ(decode_plane_tiles(fewer, received.plane, received.known), refuse(WireRefusal::TileLength));
   }
   PixelPlane larger({64, 48}, 3);
-  KnownTiles known(12);
+  ReceivedTiles known(12);
   PlaneSlice more = whole;
   more.size = larger.size, more.tile_count = 10;
   EXPECT_EQ(decode_plane_tiles(more, larger, known), refuse(WireRefusal::TileLength));
   EXPECT_EQ(received.plane, PixelPlane(plane.size, 3));
-  EXPECT_EQ(known, KnownTiles(12));
+  EXPECT_EQ(known, ReceivedTiles(12));
 }
 
 /// A property of all inputs: they are refused and nothing changes, or they are accepted.
@@ -244,7 +244,7 @@ TEST(PlaneSlices, EveryTruncationIsRefusedAndChangesNothing) {
       Received received(plane);
       EXPECT_FALSE(received.take(cut)) << size << " of " << whole.size();
       EXPECT_EQ(received.plane, PixelPlane(plane.size, 3));
-      EXPECT_EQ(received.known, KnownTiles(16));
+      EXPECT_EQ(received.known, ReceivedTiles(16));
     }
 }
 

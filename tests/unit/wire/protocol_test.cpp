@@ -100,10 +100,10 @@ TEST(Protocol, RequestIsAsThePageSays) {
 TEST(Protocol, AskSliceIsAsThePageSays) {
   EXPECT_EQ(ask_sample(), example("ask-slice"));
   const Bytes bytes = example("ask-slice");
-  std::vector<AskedTile> asked(4);
-  KnownTiles known(4);
-  EXPECT_EQ(decode_ask_slice(std::get<AskSlice>(*decode_client(bytes)), asked, known).value(), 4u);
-  EXPECT_EQ(asked, kSampleAsked);
+  std::vector<RequestedTile> requested(4);
+  ReceivedTiles known(4);
+  EXPECT_EQ(decode_ask_slice(std::get<AskSlice>(*decode_client(bytes)), requested, known).value(), 4u);
+  EXPECT_EQ(requested, kSampleRequested);
 }
 
 /// The document lists the probabilities with which the coders start.
@@ -195,10 +195,10 @@ TEST(Protocol, SliceIsAsThePageSays) {
 
   const Bytes bytes = example("slice");
   EyeMask mask({20, 18}, 2);
-  KnownTiles known(4);
+  ReceivedTiles known(4);
   EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), {}, mask, known).value(), 4u);
   EXPECT_EQ(mask, frame.masks[1]);
-  EXPECT_EQ(known, KnownTiles(4, 1));
+  EXPECT_EQ(known, ReceivedTiles(4, 1));
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ Bytes and_more(Bytes bytes, std::size_t count) {
 Bytes slice_of_one_tile() {
   EyeMask mask({48, 48}, 3);
   for (std::uint32_t i = 0; i < 256; ++i) mask.set_word(i % 16, i / 16, 0, 5);
-  std::vector<AskedTile> asked(9);
-  asked[0] = all_lights_in(kAllBlocks, 3);
-  return packed(frame_of(mask, {}), Side::Left, asked).at(0);
+  std::vector<RequestedTile> requested(9);
+  requested[0] = all_lights_in(kAllBlocks, 3);
+  return packed(frame_of(mask, {}), Side::Left, requested).at(0);
 }
 
 Bytes with_block(const Bytes& block) {
@@ -71,7 +71,7 @@ std::vector<Case> envelopes_to_server() {
 
 std::vector<Case> envelopes_to_client() {
   const Bytes tag(kTag_bytes), no = enveloped(open_refusal());
-  const Bytes met = enveloped(accept_sample(tag));
+  const Bytes accept_bytes = enveloped(accept_sample(tag));
   return {
       {"longer than a datagram", Bytes(1473), WireRefusal::TooLong},
       {"a client's type", enveloped(hello()), WireRefusal::Type},
@@ -82,7 +82,7 @@ std::vector<Case> envelopes_to_client() {
       {"a retry with more to say", and_more(enveloped(retry()), 1), WireRefusal::TrailingBytes},
       {"a refusal with more to say", and_more(no, 1), WireRefusal::TrailingBytes},
       {"no session, and more", and_more(enveloped(no_session()), 1), WireRefusal::TrailingBytes},
-      {"a tag cut short", Bytes(met.begin(), met.end() - 1), WireRefusal::Truncated},
+      {"a tag cut short", Bytes(accept_bytes.begin(), accept_bytes.end() - 1), WireRefusal::Truncated},
   };
 }
 
@@ -193,9 +193,9 @@ WireRefusal answer_of(const Decoded<Any>& decoded) {
 
 WireRefusal answer_to_plane(const PlaneSlice& slice) {
   PixelPlane plane({48, 48}, 4);
-  KnownTiles known(9);
+  ReceivedTiles known(9);
   const auto tiles = decode_plane_tiles(slice, plane, known);
-  EXPECT_EQ(known, KnownTiles(9));
+  EXPECT_EQ(known, ReceivedTiles(9));
   return tiles.error();
 }
 
@@ -205,10 +205,10 @@ WireRefusal answer_of_client(const Bytes& bytes) {
   if (!message) return message.error();
   if (const auto* plane = std::get_if<PlaneSlice>(&*message)) return answer_to_plane(*plane);
   EyeMask mask({48, 48}, 3);
-  KnownTiles known(9);
+  ReceivedTiles known(9);
   const auto tiles = decode_slice_tiles(std::get<Slice>(*message), {}, mask, known);
   EXPECT_EQ(mask, EyeMask({48, 48}, 3));
-  EXPECT_EQ(known, KnownTiles(9));
+  EXPECT_EQ(known, ReceivedTiles(9));
   return tiles.error();
 }
 
@@ -246,10 +246,10 @@ TEST(WireRefusals, TheUnchangedBytesAreAccepted) {
   EXPECT_TRUE(decode_client(ask_sample()));
   const Bytes bytes = slice_of_one_tile();
   EyeMask mask({48, 48}, 3);
-  KnownTiles known(9);
-  std::vector<AskedTile> asked(9);
-  asked[0] = all_lights_in(kAllBlocks, 3);
-  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), asked, mask, known).value(), 1u);
+  ReceivedTiles known(9);
+  std::vector<RequestedTile> requested(9);
+  requested[0] = all_lights_in(kAllBlocks, 3);
+  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), requested, mask, known).value(), 1u);
   EXPECT_EQ(mask.word(15, 15), 5u);
   EXPECT_EQ(mask.word(16, 15), 0u);
 }

@@ -217,20 +217,21 @@ inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
 }
 
 /// The messages of one eye.
-inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked = {},
+inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye,
+                                 std::span<const RequestedTile> requested = {},
                                  std::span<const std::uint8_t> sent = {}) {
   SlicePacker packer;
-  packer.start(frame, eye, asked, sent);
+  packer.start(frame, eye, requested, sent);
   std::vector<Bytes> messages;
   while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));
   return messages;
 }
 
 /// The messages that ask for blocks of one eye.
-inline std::vector<Bytes> asked_messages(Extent size, Side eye, std::uint32_t lights,
-                                         std::span<const AskedTile> asked) {
+inline std::vector<Bytes> requested_messages(Extent size, Side eye, std::uint32_t lights,
+                                             std::span<const RequestedTile> requested) {
   AskPacker packer;
-  packer.start(FrameId{258}, eye, size, lights, asked);
+  packer.start(FrameId{258}, eye, size, lights, requested);
   std::vector<Bytes> messages;
   while (const std::optional<AskSlice> slice = packer.next())
     messages.push_back(encoded(ClientMessage(*slice)));
@@ -239,22 +240,22 @@ inline std::vector<Bytes> asked_messages(Extent size, Side eye, std::uint32_t li
 
 /// Of a view of 20 x 18 pixels and two lights: a few blocks of tile 0 in light 1, one of them in light 0,
 /// too; nothing of tile 1; all of tile 2; block 0 of tile 3 in light 0.
-inline const std::vector<AskedTile> kSampleAsked{
+inline const std::vector<RequestedTile> kSampleRequested{
     {.shares = {0x0040, 0x0360}}, {}, all_lights_in(kAllBlocks, 2), {.shares = {0x0001}}};
 inline Bytes ask_sample() {
-  return asked_messages({20, 18}, Side::Right, 2, kSampleAsked).at(0);
+  return requested_messages({20, 18}, Side::Right, 2, kSampleRequested).at(0);
 }
 
 /// Each share of about half of the tiles has random blocks, or all, or none.
-inline std::vector<AskedTile> noise_asked(Extent size, std::uint32_t lights, std::mt19937& random) {
-  std::vector<AskedTile> asked(TileGrid{size}.count());
-  for (AskedTile& tile : asked)
+inline std::vector<RequestedTile> noise_requested(Extent size, std::uint32_t lights, std::mt19937& random) {
+  std::vector<RequestedTile> requested(TileGrid{size}.count());
+  for (RequestedTile& tile : requested)
     if (random() % 2 == 0)
       for (std::uint32_t share = 0; share < shares_of(lights); ++share) {
         const std::uint32_t kind = random() % 4;
         tile.shares[share] = static_cast<BlockBits>(kind == 0 ? 0 : kind == 1 ? 0xffff : random());
       }
-  return asked;
+  return requested;
 }
 
 /// An LZ4 block that contains `bytes` uncompressed.

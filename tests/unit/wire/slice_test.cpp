@@ -13,10 +13,10 @@ using namespace wire_samples;
 
 struct Received {
   EyeMask mask;
-  KnownTiles known;
+  ReceivedTiles known;
   std::uint32_t learned = 0;
 
-  std::vector<AskedTile> asked;  ///< empty: everything
+  std::vector<RequestedTile> requested;  ///< empty: everything
 
   explicit Received(const EyeMask& like)
       : mask(like.size(), like.layout()), known(TileGrid{like.size()}.count()) {}
@@ -24,7 +24,7 @@ struct Received {
   Decoded<std::uint32_t> take(const Bytes& bytes) {
     const Decoded<ServerMessage> message = decode_server(bytes);
     if (!message) return refuse(message.error());
-    const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), asked, mask, known);
+    const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), requested, mask, known);
     if (news) learned += *news;
     return news;
   }
@@ -41,7 +41,7 @@ void expect_round_trip(const EyeMask& mask) {
   }
   EXPECT_EQ(received.mask, mask) << mask.size().width << " x " << mask.size().height;
   EXPECT_EQ(received.learned, mask.layout().planes() * received.known.size());
-  for (const std::uint8_t known : received.known) EXPECT_EQ(known, all_planes_known(mask.layout()));
+  for (const std::uint8_t known : received.known) EXPECT_EQ(known, all_planes_received(mask.layout()));
 }
 
 TEST_P(SliceRoundTrip, GivesTheMaskBack) {
@@ -92,58 +92,58 @@ TEST(SlicePacker, MakesWiderWordsNoLonger) {
 }
 
 /// Whatever the sender has where nothing is asked for, its slices are the same.
-EyeMask with_noise_elsewhere(EyeMask mask, std::span<const AskedTile> asked, std::mt19937& random) {
+EyeMask with_noise_elsewhere(EyeMask mask, std::span<const RequestedTile> requested, std::mt19937& random) {
   const TileGrid grid{mask.size()};
   for (std::uint32_t y = 0; y < mask.size().height; ++y)
     for (std::uint32_t x = 0; x < mask.size().width; ++x)
       for (std::uint32_t light = 0; light < mask.lights(); ++light)
-        if ((asked[y / 16 * grid.columns() + x / 16].of(light) & block_bit(x % 16, y % 16)) == 0)
+        if ((requested[y / 16 * grid.columns() + x / 16].of(light) & block_bit(x % 16, y % 16)) == 0)
           mask.set_word(x, y, light / 32,
                         mask.word(x, y, light / 32) ^ (random() % 2 == 0 ? 0u : 1u << light % 32));
   return mask;
 }
 
-void expect_asked_bits_of(const EyeMask& mask, const EyeMask& old, const Received& received) {
+void expect_requested_bits_of(const EyeMask& mask, const EyeMask& old, const Received& received) {
   const TileGrid grid{mask.size()};
   for (std::uint32_t y = 0; y < mask.size().height; ++y)
     for (std::uint32_t x = 0; x < mask.size().width; ++x)
       for (std::uint32_t light = 0; light < mask.lights(); ++light) {
-        const AskedTile& asked = received.asked[y / 16 * grid.columns() + x / 16];
-        const EyeMask& from = (asked.of(light) & block_bit(x % 16, y % 16)) != 0 ? mask : old;
+        const RequestedTile& requested = received.requested[y / 16 * grid.columns() + x / 16];
+        const EyeMask& from = (requested.of(light) & block_bit(x % 16, y % 16)) != 0 ? mask : old;
         ASSERT_EQ(received.mask.lit(x, y, light), from.lit(x, y, light)) << x << ", " << y << ", " << light;
       }
 }
 
-TEST_P(SliceRoundTrip, GivesTheAskedBitsBackAndNoOthers) {
+TEST_P(SliceRoundTrip, GivesTheRequestedBitsBackAndNoOthers) {
   std::mt19937 random(7);
   for (const Extent size : {Extent{1, 1}, Extent{17, 15}, Extent{7, 90}, Extent{83, 50}, Extent{200, 160}}) {
     const EyeMask mask = edge_mask(size, GetParam(), random), old = noise_mask(size, GetParam(), random);
     Received received(mask);
     received.mask = old;
-    received.asked = noise_asked(size, GetParam(), random);
-    const auto messages = packed(frame_of(mask, {}), Side::Left, received.asked);
+    received.requested = noise_requested(size, GetParam(), random);
+    const auto messages = packed(frame_of(mask, {}), Side::Left, received.requested);
     for (const Bytes& bytes : messages) ASSERT_TRUE(received.take(bytes));
-    const AskedTiles tiles(size, GetParam(), received.asked);
+    const RequestedTiles tiles(size, GetParam(), received.requested);
     EXPECT_EQ(received.learned, mask.layout().planes() * tiles.count());
     for (std::uint32_t tile = 0; tile < received.known.size(); ++tile)
       EXPECT_EQ(received.known[tile],
-                tiles.at(tile).any() != kNoBlocks ? all_planes_known(mask.layout()) : 0);
-    expect_asked_bits_of(mask, old, received);
-    const EyeMask other = with_noise_elsewhere(mask, received.asked, random);
-    EXPECT_EQ(packed(frame_of(other, {}), Side::Left, received.asked), messages);
+                tiles.at(tile).any() != kNoBlocks ? all_planes_received(mask.layout()) : 0);
+    expect_requested_bits_of(mask, old, received);
+    const EyeMask other = with_noise_elsewhere(mask, received.requested, random);
+    EXPECT_EQ(packed(frame_of(other, {}), Side::Left, received.requested), messages);
   }
 }
 
-TEST(SlicePacker, ATileWithoutAnAskedLightOfAPlaneIsKnownThereToo) {
+TEST(SlicePacker, ATileWithoutARequestedLightOfAPlaneIsKnownThereToo) {
   std::mt19937 random(11);
   const EyeMask mask = noise_mask({48, 16}, 33, random);  // light 32 alone is plane 1, and in share 0
   Received received(mask);
-  received.asked = {{.shares = {0, 0x00ff}}, {}, {.shares = {0, 0x0001}}};
-  const auto messages = packed(frame_of(mask, {}), Side::Left, received.asked);
+  received.requested = {{.shares = {0, 0x00ff}}, {}, {.shares = {0, 0x0001}}};
+  const auto messages = packed(frame_of(mask, {}), Side::Left, received.requested);
   ASSERT_EQ(messages.size(), 2u);
   EXPECT_EQ(messages[1].size(), kSliceHeader_bytes + 1);
   for (const Bytes& bytes : messages) EXPECT_EQ(received.take(bytes).value(), 2u);
-  EXPECT_EQ(received.known, (KnownTiles{3, 0, 3}));
+  EXPECT_EQ(received.known, (ReceivedTiles{3, 0, 3}));
 }
 
 TEST(SlicePacker, LightsThatAreNotAskedForCostNothing) {
@@ -153,19 +153,20 @@ TEST(SlicePacker, LightsThatAreNotAskedForCostNothing) {
   for (std::uint32_t y = 0; y < 96; ++y)
     for (std::uint32_t x = 0; x < 96; ++x)
       mask.set_word(x, y, 0, (mask.word(x, y) & 5u) | alone.word(x, y) << 1);
-  std::vector<AskedTile> asked(36, {.shares = {0, 0x7fff}}), asked_alone(36, {.shares = {0x7fff}});
-  const auto all = packed(frame_of(mask, {}), Side::Left, asked);
-  const auto one = packed(frame_of(alone, {}), Side::Left, asked_alone);
+  std::vector<RequestedTile> requested(36, {.shares = {0, 0x7fff}}),
+      requested_alone(36, {.shares = {0x7fff}});
+  const auto all = packed(frame_of(mask, {}), Side::Left, requested);
+  const auto one = packed(frame_of(alone, {}), Side::Left, requested_alone);
   ASSERT_EQ(all.size(), 1u);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_TRUE(std::ranges::equal(std::span(all[0]).subspan(kSliceHeader_bytes),
                                  std::span(one[0]).subspan(kSliceHeader_bytes)));
 }
 
-TEST(AskedTiles, AreThoseInThePictureAndInSharesOfTheMask) {
-  std::vector<AskedTile> all(4);
-  for (AskedTile& tile : all) tile.shares.fill(kAllBlocks);
-  const AskedTiles tiles({20, 18}, 2, all), every({20, 18}, 2, {});
+TEST(RequestedTiles, AreThoseInThePictureAndInSharesOfTheMask) {
+  std::vector<RequestedTile> all(4);
+  for (RequestedTile& tile : all) tile.shares.fill(kAllBlocks);
+  const RequestedTiles tiles({20, 18}, 2, all), every({20, 18}, 2, {});
   EXPECT_EQ(tiles.at(0), all_lights_in(kAllBlocks, 2));
   EXPECT_EQ(tiles.at(1), all_lights_in(0x1111, 2));
   EXPECT_EQ(tiles.at(2), all_lights_in(0x000f, 2));
@@ -173,17 +174,17 @@ TEST(AskedTiles, AreThoseInThePictureAndInSharesOfTheMask) {
   for (std::uint32_t tile = 0; tile < 4; ++tile) EXPECT_EQ(every.at(tile), tiles.at(tile));
   all[0] = {.shares = {0, 0, 1}};    // a light that the mask does not have
   all[3] = {.shares = {0x8000, 0}};  // a block that the picture does not have
-  EXPECT_EQ(AskedTiles({20, 18}, 2, all).count(), 2u);
+  EXPECT_EQ(RequestedTiles({20, 18}, 2, all).count(), 2u);
   EXPECT_EQ(every.count(), 4u);
 }
 
-TEST(SlicePacker, TilesWithoutAskedBlocksCostNothing) {
+TEST(SlicePacker, TilesWithoutRequestedBlocksCostNothing) {
   std::mt19937 random(8);
   const EyeMask mask = noise_mask({8192, 512}, 3, random);
-  std::vector<AskedTile> asked(TileGrid{mask.size()}.count());
-  EXPECT_TRUE(packed(frame_of(mask, {}), Side::Left, asked).empty());
-  asked[100] = asked[9'000] = all_lights_in(0x0001, 3);
-  const auto messages = packed(frame_of(mask, {}), Side::Left, asked);
+  std::vector<RequestedTile> requested(TileGrid{mask.size()}.count());
+  EXPECT_TRUE(packed(frame_of(mask, {}), Side::Left, requested).empty());
+  requested[100] = requested[9'000] = all_lights_in(0x0001, 3);
+  const auto messages = packed(frame_of(mask, {}), Side::Left, requested);
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_LT(messages[0].size(), kSliceHeader_bytes + 25);
   const auto slice = std::get<Slice>(*decode_server(messages[0]));
@@ -205,7 +206,7 @@ TEST(SlicePacker, AnyTileFits) {
 /// A slice with the first tiles of the mask in plain bits.
 Bytes plain_slice(const EyeMask& mask, std::uint32_t tile_count) {
   const TileGrid grid{mask.size()};
-  const AskedTiles asked(mask.size(), mask.lights(), {});
+  const RequestedTiles requested(mask.size(), mask.lights(), {});
   Bytes block;
   CodedTiles coded;
   TileBits bits;
@@ -215,8 +216,8 @@ Bytes plain_slice(const EyeMask& mask, std::uint32_t tile_count) {
   MaskCoder coder(encoder, models, coded, mask.layout().lights_in(0));
   coder.form(true);
   for (std::uint32_t tile = 0; tile < tile_count; ++tile) {
-    split_tile(mask, grid.rect(tile), 0, asked.at(tile), bits);
-    coder.plain_tile(asked.at(tile), bits);
+    split_tile(mask, grid.rect(tile), 0, requested.at(tile), bits);
+    coder.plain_tile(requested.at(tile), bits);
   }
   encoder.finish();
   return encoded(ServerMessage(Slice{
@@ -305,11 +306,11 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
 /// A property of all inputs: they are refused and nothing changes, or they are accepted.
 /// Returns 1 if they are accepted.
 std::size_t expect_harmless(const Bytes& bytes, const EyeMask& like,
-                            const std::vector<AskedTile>& asked = {}) {
+                            const std::vector<RequestedTile>& requested = {}) {
   const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message || !std::holds_alternative<Slice>(*message)) return 0;
   Received received(like);
-  received.asked = asked;
+  received.requested = requested;
   const Received before = received;
   if (received.take(bytes)) return 1;
   EXPECT_EQ(received.mask, before.mask);
@@ -322,23 +323,23 @@ TEST(Slices, NearlyEveryTruncationIsRefused) {
   std::mt19937 random(10);
   const EyeMask mask = edge_mask({64, 64}, 9, random);
   std::size_t accepted = 0, cuts = 0;
-  for (const auto& asked : {std::vector<AskedTile>(), noise_asked(mask.size(), 9, random)})
-    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, asked))
+  for (const auto& requested : {std::vector<RequestedTile>(), noise_requested(mask.size(), 9, random)})
+    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, requested))
       for (std::size_t size = 0; size < whole.size(); ++size, ++cuts)
         accepted += expect_harmless(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)),
-                                    mask, asked);
+                                    mask, requested);
   EXPECT_LE(accepted, cuts / 50);
 }
 
 TEST(Slices, EveryFlippedBitIsHarmless) {
   std::mt19937 random(12);
   const EyeMask mask = edge_mask({48, 48}, 17, random);
-  for (const auto& asked : {std::vector<AskedTile>(), noise_asked(mask.size(), 17, random)})
-    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, asked))
+  for (const auto& requested : {std::vector<RequestedTile>(), noise_requested(mask.size(), 17, random)})
+    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, requested))
       for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
         Bytes flipped = whole;
         flipped[bit / 8] ^= std::byte{1} << bit % 8;
-        expect_harmless(flipped, mask, asked);
+        expect_harmless(flipped, mask, requested);
       }
 }
 
@@ -353,7 +354,7 @@ TEST(Slices, BlocksOfNoiseAreHarmless) {
     const Bytes bytes =
         encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 4, .block = block}));
     expect_harmless(bytes, mask);
-    expect_harmless(bytes, mask, noise_asked(mask.size(), 3, random));
+    expect_harmless(bytes, mask, noise_requested(mask.size(), 3, random));
   }
 }
 

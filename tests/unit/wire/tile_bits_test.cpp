@@ -10,7 +10,7 @@ namespace {
 using namespace wire_samples;
 
 constexpr TileRect kTile{0, 0, 16, 16};
-const AskedTile kEverything{.shares = {0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff}};
+const RequestedTile kEverything{.shares = {0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff}};
 
 TEST(TileBits, CellsAreBlocksRowByRow) {
   EyeMask mask({16, 16}, 2);
@@ -38,20 +38,20 @@ TEST(TileBits, MergingGivesTheTileBack) {
     }
 }
 
-TEST(TileBits, EachLightIsWrittenOnlyInItsAskedBlocks) {
+TEST(TileBits, EachLightIsWrittenOnlyInItsRequestedBlocks) {
   std::mt19937 random(3);
   for (int round = 0; round < 500; ++round) {
     const std::uint32_t lights = 1 + static_cast<std::uint32_t>(random() % 32);
     const EyeMask mask = noise_mask({16, 16}, lights, random), old = noise_mask({16, 16}, lights, random);
-    const AskedTile asked = noise_asked({16, 16}, lights, random)[0];
+    const RequestedTile requested = noise_requested({16, 16}, lights, random)[0];
     TileBits bits;
-    split_tile(mask, kTile, 0, asked, bits);
+    split_tile(mask, kTile, 0, requested, bits);
     EyeMask merged = old;
-    merge_tile(bits, kTile, 0, asked, merged);
+    merge_tile(bits, kTile, 0, requested, merged);
     for (std::uint32_t light = 0; light < lights; ++light)
       for (std::uint32_t y = 0; y < 16; ++y)
         for (std::uint32_t x = 0; x < 16; ++x) {
-          const EyeMask& from = (asked.of(light) & block_bit(x, y)) != 0 ? mask : old;
+          const EyeMask& from = (requested.of(light) & block_bit(x, y)) != 0 ? mask : old;
           ASSERT_EQ(merged.lit(x, y, light), from.lit(x, y, light)) << lights << " lights";
         }
   }

@@ -1,0 +1,135 @@
+/// FrameReceiver: the client's side of a session, whoever carries its messages. Requests go out through it,
+/// and the server's messages come in. It has no socket, no keys and no clock, so that a capture file fills it
+/// as the network does. It owns the records of all requests (stereo/net/assembler.h).
+#pragma once
+
+#include <vector>
+
+#include "stereo/base/expected.h"
+#include "stereo/frame/cube_mask.h"
+#include "stereo/net/assembler.h"
+
+namespace farshade {
+
+class FrameReceiver {
+ public:
+  /// Keeps `frames` records, and kCubeMaskSlots of the cube mask. The masks of all answers have this layout.
+  FrameReceiver(std::size_t frames, MaskLayout layout)
+      : assembler_(frames), cube_mask_(kCubeMaskSlots), layout_(layout) {}
+
+  /// A session begins: its server knows no light changes and answers no earlier request.
+  void begin(const Welcome& welcome);
+
+  /// Makes the record of a request that the frame of display time `requested_at` makes and that is sent at
+  /// `now`. Returns the request to send: with the light changes that the server may not have yet.
+  /// `reprojected`: see RequestParts.
+  [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time requested_at, Time now,
+                                 const PerEye<EyeMask>* reprojected = nullptr);
+
+  /// Takes a message of the server that came at `arrived`.
+  void take(const FrameReport& report, Time arrived);
+  /// Slice, PlaneSlice or VideoPart.
+  void take(const auto& piece, Time arrived) {
+    acknowledge(assembler_of(piece.frame).accept(piece, arrived));
+  }
+
+  /// The record of a request; null if there is none. It stays valid until its slot is used again.
+  [[nodiscard]] const RequestRecord* find(FrameId frame) const;
+  /// The newest record with any piece; null if there is none.
+  [[nodiscard]] const RequestRecord* newest_known() const { return assembler_.newest_known(); }
+  /// The records with any piece that were asked for up to the display time `until`, newest first.
+  [[nodiscard]] std::vector<const RequestRecord*> received(Time until) const;
+  /// The best record of each pair of the cube mask that was asked for up to the display time `until`: the
+  /// newest whole one, else the newest that is as complete as it will be.
+  [[nodiscard]] std::vector<const RequestRecord*> cube_mask(Time until) const;
+  /// All records of the cube mask, in no particular order.
+  [[nodiscard]] std::span<const RequestRecord> cube_mask_records() const { return cube_mask_.records(); }
+
+  /// The slot of the next request's record.
+  [[nodiscard]] std::size_t next_slot() const { return assembler_.next_slot(); }
+
+  /// All pieces and the report have come.
+  [[nodiscard]] bool is_whole(FrameId frame) const;
+  /// The record is as complete as it will be: all pieces have come, or the report, which is sent last, or a
+  /// piece of a newer request.
+  [[nodiscard]] bool is_settled(const RequestRecord& record) const;
+  /// The request was made in the present session.
+  [[nodiscard]] bool may_come(FrameId frame) const;
+
+  /// The number of pixels of an eye that the server traces at most.
+  [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
+  /// The server's exposure; empty before the first session.
+  [[nodiscard]] std::optional<Exposure> exposure() const { return exposure_; }
+  /// The size of views that the server asks for, because of what the path carries.
+  [[nodiscard]] ViewScale view_scale() const { return view_scale_; }
+  /// The server gives answers of this kind.
+  [[nodiscard]] bool offers(Answer answer) const { return (answers_ & set_of(answer)) != 0; }
+  [[nodiscard]] AssemblerCounters counters() const;
+
+ private:
+  void acknowledge(const RequestRecord* changed);
+  [[nodiscard]] Assembler& assembler_of(FrameId frame);
+
+  Assembler assembler_, cube_mask_;
+  MaskLayout layout_;
+  std::uint64_t session_ = 0;                       ///< counts sessions
+  LightSetRevision acknowledged_ = kFirstLightSet;  ///< the newest light set that the server surely has
+  std::optional<FrameId> newest_report_;
+  std::uint32_t most_pixels_ = Welcome{}.most_pixels;
+  AnswerSet answers_ = 0;
+  std::optional<Exposure> exposure_;
+  ViewScale view_scale_{};
+};
+
+/// What goes with a request.
+struct RequestParts {
+  /// The messages that follow it: the PlaneSlices or AskSlices that it announces.
+  std::span<const std::vector<std::byte>> messages{};
+  /// The masks that were reprojected to its views; only their blocks that are not asked for are known. Null:
+  /// all is asked for.
+  const PerEye<EyeMask>* reprojected = nullptr;
+};
+
+/// Bytes of datagrams since the link was made, with everything that is sent over UDP.
+struct LinkTraffic {
+  std::uint64_t up = 0;    ///< sent to the server
+  std::uint64_t down = 0;  ///< received from it
+};
+
+/// What a run of the client needs of the source of its answers. There are two: the network (network_link.h)
+/// and a capture file (record/replay.h).
+class ServerConnection {
+ public:
+  virtual ~ServerConnection() = default;
+
+  /// Sends a request. `requested_at` is the display time of the frame that makes it. Without a session
+  /// nothing is sent or recorded.
+  virtual void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) = 0;
+
+  /// Receives until all of the answer to `frame` has come or `patience` is over. True if all has come.
+  virtual bool wait_for(FrameId frame, Duration patience) = 0;
+
+  /// Whether a request may ask for a part of its views, and whether pairs of the cube mask may be requested.
+  /// Not while a capture is written or replayed: a capture holds the server's messages about whole views.
+  [[nodiscard]] virtual bool takes_parts() const = 0;
+
+  [[nodiscard]] virtual const FrameReceiver& receiver() const = 0;
+
+  /// Why the server refuses this client for good; no value while it does not.
+  [[nodiscard]] virtual const std::optional<Error>& refused() const = 0;
+
+  /// Since when the server has answered nothing though it was asked, or greeted; no value while it answers.
+  [[nodiscard]] virtual std::optional<Time> silent_since() const { return std::nullopt; }
+
+  /// Why the server has ended the last session, as a sentence; no value if it did not, or while a session is
+  /// open.
+  [[nodiscard]] virtual std::optional<std::string> goodbye() const { return std::nullopt; }
+
+  /// No value if no network carries the messages.
+  [[nodiscard]] virtual std::optional<LinkTraffic> traffic() const { return std::nullopt; }
+
+  /// The time spent so far on opening, decoding and assembling messages, without waits.
+  [[nodiscard]] virtual Duration busy() const = 0;
+};
+
+}  // namespace farshade
