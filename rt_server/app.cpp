@@ -9,14 +9,15 @@
 #include <utility>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/core/server_core.h"
-#include "rt_server/core/server_log.h"
 #include "rt_server/fetch/scene_sender.h"
 #include "rt_server/keys/keys_in_use.h"
+#include "rt_server/log/server_log.h"
+#include "rt_server/work/server_core.h"
 #include "stereo/announce/announcer.h"
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
 #include "stereo/exposure/chosen_exposure.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"

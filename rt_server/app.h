@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rt_server/core/sessions.h"
+#include "rt_server/sessions/sessions.h"
 #include "stereo/base/expected.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/plan/scene_plan.h"

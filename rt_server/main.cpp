@@ -9,18 +9,18 @@
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
-#include "rt_server/core/log_sink.h"
-#include "rt_server/core/server_log.h"
+#include "rt_server/log/log_sink.h"
+#include "rt_server/log/server_log.h"
 #include "stereo/about/about.h"
-#include "stereo/base/command_line.h"
-#include "stereo/base/completion.h"
-#include "stereo/base/config_file.h"
 #include "stereo/base/heap.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/gpu/loader.h"
-#include "stereo/scene/lighting_options.h"
+#include "stereo/messages/messages.h"
+#include "stereo/options/command_line.h"
+#include "stereo/options/completion.h"
+#include "stereo/options/config_file.h"
+#include "stereo/options/lighting_options.h"
 #include "stereo/video/video.h"
-#include "stereo/wire/messages.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Reads the masks on the device (stereo/draw/device_masks.h).
+// Reads the masks on the device (stereo/reproject/device_masks.h).
 
 // Whether the block of `pixel`, which is in the picture, is known. A tile has 16 bits, one for each block.
 bool block_known(SourceData source, ivec2 pixel) {

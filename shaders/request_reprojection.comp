@@ -23,7 +23,7 @@ layout(push_constant) uniform Dispatch { uint shown_eye; };  // 0 left, 1 right
 // Views are the requested ones; the first source of each eye is the mask. counts.y = layer of their depth.
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
-// For each eye the quads of the mask (stereo/draw/mask_quads.h), from word source.place.y on.
+// For each eye the quads of the mask (stereo/reproject/mask_quads.h), from word source.place.y on.
 layout(std430, binding = 2) readonly buffer Quads { uint quad_words[]; };
 layout(binding = 3) uniform sampler2DArray depth_ring;
 // For each eye: planes of rows of whole blocks, words of kWordBytes each.

@@ -9,13 +9,16 @@
 #include "stereo/announce/find_server.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/exposure/chosen_exposure.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/gpu/pipeline_cache.h"
 #include "stereo/lod/level_cache.h"
+#include "stereo/messages/timing.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/raster/max_instances.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/video/video.h"
-#include "stereo/wire/timing.h"
 
 namespace farshade {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/base/extent.h"
-#include "stereo/draw/reprojection.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/reproject/reprojection.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/scene/start_pose.h"
 #include "vr_client/ask/request_plan.h"

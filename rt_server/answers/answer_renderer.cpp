@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "stereo/frame/tiles.h"
+#include "stereo/raster/max_instances.h"
 
 namespace farshade {
 

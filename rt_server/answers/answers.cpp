@@ -6,10 +6,10 @@
 
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/device_recovery.h"
+#include "stereo/codec/ask_coder.h"
+#include "stereo/codec/mask_block.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/video/video.h"
-#include "stereo/wire/ask_coder.h"
-#include "stereo/wire/mask_block.h"
 
 namespace farshade {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "rt_server/core/memory_share.h"
-#include "rt_server/core/request_handlers.h"
+#include "rt_server/admission/memory_share.h"
+#include "rt_server/work/request_handlers.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/tracer/tracer.h"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "rt_server/core/request_handlers.h"
+#include "rt_server/work/request_handlers.h"
 #include "stereo/base/expected.h"
 
 namespace farshade {

@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-#include "stereo/wire/key_file.h"
+#include "stereo/messages/key_file.h"
 
 namespace farshade {
 

@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "rt_server/core/request_handlers.h"
-#include "rt_server/core/token_bucket.h"
+#include "rt_server/admission/token_bucket.h"
+#include "rt_server/work/request_handlers.h"
 
 namespace farshade {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rt_server/answers/answer_renderer.h"
-#include "stereo/draw/difference_picture.h"
+#include "stereo/image/difference_picture.h"
 
 namespace farshade {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "rt_server/answers/fair_lru_cache.h"
 #include "rt_server/answers/rebuilds.h"
-#include "rt_server/core/session.h"
-#include "stereo/net/frame_packer.h"
+#include "rt_server/sessions/session.h"
+#include "stereo/answers/frame_packer.h"
 #include "stereo/video/video.h"
 
 namespace farshade {

@@ -8,10 +8,10 @@
 #include "rt_server/commands/commands.h"
 #include "stereo/base/printable.h"
 #include "stereo/exposure/chosen_exposure.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/net/explain.h"
+#include "stereo/options/lighting_options.h"
 #include "stereo/plan/scene_plan.h"
-#include "stereo/scene/gltf.h"
-#include "stereo/scene/lighting_options.h"
 #include "stereo/scene/viewpoint.h"
 #include "stereo/tracer/tracer_memory.h"
 

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "stereo/base/within.h"
-#include "stereo/wire/key_file.h"
+#include "stereo/messages/key_file.h"
+#include "stereo/options/within.h"
 
 namespace farshade {
 namespace {

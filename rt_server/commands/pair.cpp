@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "rt_server/commands/commands.h"
-#include "stereo/base/within.h"
 #include "stereo/net/local_addresses.h"
+#include "stereo/options/within.h"
 #include "stereo/pair/pairing.h"
 
 namespace farshade {

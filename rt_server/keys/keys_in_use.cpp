@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "stereo/wire/handshake.h"
+#include "stereo/messages/handshake.h"
 
 namespace farshade {
 namespace {

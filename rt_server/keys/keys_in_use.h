@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "rt_server/core/server_core.h"
 #include "rt_server/fetch/scene_sender.h"
+#include "rt_server/work/server_core.h"
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
 #include "stereo/base/file_watch.h"
-#include "stereo/wire/key_file.h"
+#include "stereo/messages/key_file.h"
 
 namespace farshade {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "stereo/base/printable.h"
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 namespace farshade {
 namespace {

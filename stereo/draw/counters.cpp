@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <bit>
 
-#include "stereo/draw/deformed_vertices.h"
-#include "stereo/draw/frame_data.h"
 #include "stereo/draw/renderer.h"
-#include "stereo/draw/scene_buffers.h"
-#include "stereo/draw/shading_layout.h"
-#include "stereo/draw/shadow_map_views.h"
 #include "stereo/image/mip_levels.h"
 #include "stereo/lod/level_choice.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/raster/deformed_vertices.h"
+#include "stereo/raster/frame_data.h"
+#include "stereo/raster/scene_buffers.h"
+#include "stereo/reproject/shading_layout.h"
+#include "stereo/shadow_maps/shadow_map_views.h"
 
 namespace farshade {
 namespace {

@@ -2,11 +2,11 @@
 /// does not use.
 #pragma once
 
-#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/view.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/shadow_maps/shadow_map_settings.h"
 
 namespace farshade {
 

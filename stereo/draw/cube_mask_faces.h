@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/draw/gbuffer.h"
 #include "stereo/draw/renderer.h"
+#include "stereo/raster/gbuffer.h"
 
 namespace farshade {
 

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "stereo/draw/cube_mask_faces.h"
-#include "stereo/draw/gbuffer_transfer.h"
-#include "stereo/draw/mesh_streams.h"
 #include "stereo/draw/read_back.h"
-#include "stereo/draw/request_reprojection_pass.h"
-#include "stereo/draw/shading.h"
-#include "stereo/draw/timewarp_pass.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/raster/gbuffer_transfer.h"
+#include "stereo/raster/mesh_streams.h"
+#include "stereo/reproject/request_reprojection_pass.h"
+#include "stereo/reproject/shading.h"
+#include "stereo/reproject/timewarp_pass.h"
 
 namespace farshade {
 namespace {

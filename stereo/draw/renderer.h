@@ -9,9 +9,6 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/draw/counters.h"
-#include "stereo/draw/detail.h"
-#include "stereo/draw/reprojection.h"
-#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/cube_mask.h"
 #include "stereo/frame/hidden_area.h"
 #include "stereo/frame/pixel_plane.h"
@@ -19,7 +16,10 @@
 #include "stereo/image/image.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/raster/detail.h"
+#include "stereo/reproject/reprojection.h"
 #include "stereo/scene/scene_state.h"
+#include "stereo/shadow_maps/shadow_map_settings.h"
 
 namespace farshade::gpu {
 struct Device;
@@ -27,9 +27,6 @@ struct Image;
 }  // namespace farshade::gpu
 
 namespace farshade {
-
-/// A renderer draws scenes of at most this many instances: the G-buffer stores an instance in 16 bits.
-inline constexpr std::size_t kMaxInstances = 1 << 16;
 
 /// Triangles that the passes of a frame submitted, for both eyes.
 struct DrawnTriangles {

@@ -1,6 +1,6 @@
 #include "stereo/fetch/fetch_messages.h"
 
-#include "stereo/wire/bytes.h"
+#include "stereo/messages/bytes.h"
 
 namespace farshade {
 namespace {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 namespace farshade {
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <set>
 
-#include "stereo/wire/bytes.h"
-#include "stereo/wire/frame_fields.h"
+#include "stereo/messages/bytes.h"
+#include "stereo/messages/frame_fields.h"
 
 namespace farshade {
 namespace {
@@ -85,7 +85,7 @@ bool files_fields(auto& io, std::vector<OfferedFile>& files) {
   return each_field(io, files, kMostSceneFiles, [&](OfferedFile& file) { return file_fields(io, file); });
 }
 
-// ---- ranges, as those of the command line (lighting.cpp, lighting_options.h)
+// ---- ranges, as those of the command line (stereo/options)
 
 bool is_within(const std::optional<float>& value, float low, float high) {
   return !value || (*value >= low && *value <= high);

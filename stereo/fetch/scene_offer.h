@@ -8,8 +8,8 @@
 
 #include "stereo/base/digest.h"
 #include "stereo/base/expected.h"
+#include "stereo/messages/refusal.h"
 #include "stereo/scene/lighting.h"
-#include "stereo/wire/refusal.h"
 
 namespace farshade {
 

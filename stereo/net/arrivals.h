@@ -7,7 +7,7 @@
 #include <array>
 #include <limits>
 
-#include "stereo/wire/arrival_report.h"
+#include "stereo/messages/arrival_report.h"
 
 namespace farshade {
 

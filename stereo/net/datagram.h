@@ -69,8 +69,8 @@ struct PortCounters {
   friend bool operator==(const PortCounters&, const PortCounters&) = default;
 };
 
-/// Sends and receives datagrams of at most kMaxDatagram_bytes (stereo/wire/messages.h). Allocates nothing.
-/// One thread may receive while another sends. Any thread may call wake and counters.
+/// Sends and receives datagrams of at most kMaxDatagram_bytes (stereo/messages/messages.h). Allocates
+/// nothing. One thread may receive while another sends. Any thread may call wake and counters.
 class DatagramPort {
  public:
   virtual ~DatagramPort() = default;

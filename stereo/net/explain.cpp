@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <span>
 
-#include "stereo/wire/handshake.h"
+#include "stereo/messages/handshake.h"
 
 namespace farshade {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
+#include "stereo/messages/messages.h"
 #include "stereo/net/datagram.h"
-#include "stereo/wire/messages.h"
 
 namespace farshade {
 

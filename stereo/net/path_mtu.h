@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 namespace farshade {
 

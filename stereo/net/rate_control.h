@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "stereo/wire/arrival_report.h"
+#include "stereo/messages/arrival_report.h"
 
 namespace farshade {
 

@@ -14,9 +14,9 @@
 #include <ctime>
 
 #include "stereo/base/check.h"
+#include "stereo/messages/messages.h"
 #include "stereo/net/arrival_clock.h"
 #include "stereo/net/endpoints.h"
-#include "stereo/wire/messages.h"
 
 namespace farshade {
 namespace {

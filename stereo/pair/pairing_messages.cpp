@@ -1,6 +1,6 @@
 #include "stereo/pair/pairing_messages.h"
 
-#include "stereo/wire/bytes.h"
+#include "stereo/messages/bytes.h"
 
 namespace farshade {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/wire/key_file.h"
-#include "stereo/wire/refusal.h"
+#include "stereo/messages/key_file.h"
+#include "stereo/messages/refusal.h"
 
 namespace farshade {
 

@@ -4,10 +4,8 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "stereo/scene/gltf.h"
 #include "stereo/scene/scene.h"
 #include "stereo/scene/scene_choice.h"
 
@@ -27,15 +25,11 @@ struct Lighting {
   std::optional<float> exposure{};   ///< factor of all light; none: an Exposure is chosen (stereo/exposure)
 };
 
-/// Parses the value of --light: a kind (point, spot or directional), then words NAME=VALUE in any order.
-/// Vectors are written X:Y:Z. For example "point,at=0:2:1,candela=40,range=10,color=1:0.9:0.8" or
-/// "spot,at=0:3:0,to=0:0:0,cone=30,candela=100" or "directional,along=0.3:-1:0,lux=3". Malformed or
-/// OutOfRange otherwise.
-[[nodiscard]] Expected<AddedLight> parse_light(std::string_view text);
+/// In lux, of a sun without a stated strength.
+inline constexpr float kSun_lux = 2.2f;
 
-/// Parses the value of --sun: AZIMUTH,ELEVATION[,LUX]. Degrees; azimuth 0 is -z and 90 is +x; elevation is
-/// above the horizon.
-[[nodiscard]] Expected<AddedLight> parse_sun(std::string_view text);
+/// A sun. Degrees; azimuth 0 is -z and 90 is +x; elevation is above the horizon.
+[[nodiscard]] AddedLight sun_light(double azimuth_deg, double elevation_deg, float lux);
 
 struct LitScene {
   Scene scene;
@@ -49,9 +43,5 @@ struct LitScene {
 /// A scene without any light gets a sun, a lamp beside its viewpoint (viewpoint.h) and a little ambient
 /// light. OutOfRange if there are more lights than a mask has bits.
 [[nodiscard]] Expected<LitScene> light_scene(Scene scene, const Lighting& lighting);
-
-/// Loads a glTF file (gltf.h) and lights it.
-[[nodiscard]] Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting,
-                                                ListFiles list = ListFiles::No);
 
 }  // namespace farshade

@@ -18,7 +18,7 @@
 #include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 
 namespace {
 

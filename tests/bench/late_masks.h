@@ -4,9 +4,9 @@
 
 #include <span>
 
+#include "stereo/answers/assembler.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/head/head_recording.h"
-#include "stereo/net/assembler.h"
 
 namespace farshade::bench {
 

@@ -4,9 +4,9 @@
 #include <cstdio>
 
 #include "stereo/base/quantile.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "tests/support/packed.h"

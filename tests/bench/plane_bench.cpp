@@ -12,13 +12,13 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
+#include "stereo/codec/plane_codec.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
-#include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
-#include "stereo/wire/plane_codec.h"
 
 namespace farshade {
 namespace {

@@ -8,12 +8,12 @@
 #include <thread>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/core/server_core.h"
+#include "rt_server/work/server_core.h"
 #include "stereo/base/check.h"
 #include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
 #include "vr_client/link/network_link.h"
 
 namespace {

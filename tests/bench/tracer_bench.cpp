@@ -25,7 +25,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/tracer/tile_stages.h"
 #include "stereo/tracer/tracer.h"
 

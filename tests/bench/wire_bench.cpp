@@ -12,20 +12,20 @@
 #include <numeric>
 #include <random>
 
+#include "stereo/answers/assembler.h"
+#include "stereo/answers/frame_packer.h"
 #include "stereo/base/check.h"
 #include "stereo/base/clock.h"
 #include "stereo/base/quantile.h"
+#include "stereo/codec/ask_coder.h"
+#include "stereo/codec/decision_counts.h"
+#include "stereo/codec/mask_block.h"
+#include "stereo/codec/slice.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/net/assembler.h"
-#include "stereo/net/frame_packer.h"
+#include "stereo/gltf/gltf.h"
+#include "stereo/messages/seal.h"
 #include "stereo/net/impairment.h"
-#include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
-#include "stereo/wire/ask_coder.h"
-#include "stereo/wire/decision_counts.h"
-#include "stereo/wire/mask_block.h"
-#include "stereo/wire/seal.h"
-#include "stereo/wire/slice.h"
 
 namespace {
 

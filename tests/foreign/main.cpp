@@ -2,7 +2,7 @@
 /// reach it: each warning here would be an error with them.
 #include <cstdio>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/tracer/tracer_memory.h"
 
 int main(int count, char** arguments) {

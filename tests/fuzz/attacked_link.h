@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "rt_server/core/server_core.h"
+#include "rt_server/work/server_core.h"
 #include "tests/fuzz/edits.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/answers_from.h"

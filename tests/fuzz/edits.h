@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 #include "tests/fuzz/target.h"
 
 namespace farshade::fuzz {

@@ -2,7 +2,7 @@
 // range. Decoding again gives the same scene. No file is opened. Limits are low, so that an allocation
 // exceeds them if the input controls its size. An input with a zero byte that is no GLB is split at that byte
 // into JSON and binary chunk, and both are put into a GLB. So the fuzzer can change the length of either.
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // Handshake under an attacker who reads and changes every datagram. A client must accept only an unchanged
 // accept. The gate must admit only an unchanged hello with a valid cookie and proof. No answer may be longer
 // than the hello. One handshake is made at start-up; the input is a list of changes to its datagrams.
-#include "stereo/wire/handshake.h"
+#include "stereo/messages/handshake.h"
 
 #include <algorithm>
 
-#include "rt_server/core/gate.h"
+#include "rt_server/admission/gate.h"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/fixed_random.h"

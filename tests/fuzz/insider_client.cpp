@@ -10,10 +10,10 @@
 #include <array>
 
 #include "rt_server/answers/video.h"
+#include "stereo/codec/mask_block.h"
 #include "stereo/frame/cube_mask.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/wire/frame_fields.h"
-#include "stereo/wire/mask_block.h"
+#include "stereo/messages/frame_fields.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"

@@ -4,8 +4,8 @@
 // requests and assemble the answer to the next one bit for bit.
 #include <spdlog/spdlog.h>
 
-#include "stereo/wire/mask_block.h"
-#include "stereo/wire/plane_codec.h"
+#include "stereo/codec/mask_block.h"
+#include "stereo/codec/plane_codec.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"

@@ -1,7 +1,7 @@
 // Messages: arbitrary bytes as the content of an opened datagram. They are refused, or they decode to a
 // message within the ranges that tracer and assembler rely on, and encoding it gives the same bytes. The
 // first byte selects the side that decodes.
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,9 @@
 
 #include <vector>
 
+#include "stereo/codec/plane_codec.h"
+#include "stereo/codec/plane_tile.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/wire/plane_codec.h"
-#include "stereo/wire/plane_tile.h"
 #include "tests/fuzz/target.h"
 #include "tests/support/largest_word.h"
 

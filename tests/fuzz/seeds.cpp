@@ -6,16 +6,16 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
+#include "stereo/codec/ask_coder.h"
+#include "stereo/codec/plane_codec.h"
+#include "stereo/codec/plane_tile.h"
 #include "stereo/video/video.h"
-#include "stereo/wire/ask_coder.h"
-#include "stereo/wire/plane_codec.h"
-#include "stereo/wire/plane_tile.h"
 #include "tests/support/gltf_compressor.h"
 #include "tests/support/largest_word.h"
 #include "tests/unit/client_record/capture_samples.h"
+#include "tests/unit/gltf/gltf_builder.h"
 #include "tests/unit/image/webp_files.h"
-#include "tests/unit/scene/gltf_builder.h"
-#include "tests/unit/wire/samples.h"
+#include "tests/unit/messages/samples.h"
 
 namespace {
 

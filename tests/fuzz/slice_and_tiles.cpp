@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "stereo/wire/ask_coder.h"
-#include "stereo/wire/slice.h"
+#include "stereo/codec/ask_coder.h"
+#include "stereo/codec/slice.h"
 #include "tests/fuzz/target.h"
 
 using namespace farshade;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/image/difference.h"
-#include "stereo/scene/gltf.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 #include "tests/unit/lod/shapes.h"

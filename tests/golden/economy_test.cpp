@@ -6,11 +6,12 @@
 #include <random>
 #include <set>
 
-#include "stereo/draw/shading_layout.h"
 #include "stereo/frame/cube_mask.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/image/difference.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/reproject/shading_layout.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"

@@ -2,7 +2,7 @@
 /// every shift of the head by a part of a pixel, edges of reprojected masks are nearly where they belong.
 #include <cstdio>
 
-#include "stereo/draw/frame_data.h"
+#include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
 
 namespace farshade {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <random>
 
-#include "stereo/draw/frame_data.h"
+#include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"

@@ -1,6 +1,6 @@
 /// Shadow maps that are kept while nothing moves in them: the same pictures as from maps that are drawn in
 /// every frame, with less work and a bounded amount of memory.
-#include "stereo/draw/shadow_map_views.h"
+#include "stereo/shadow_maps/shadow_map_views.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <span>
 
-#include "stereo/draw/frame_data.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
 #include "tests/support/nightly.h"
 #include "vr_client/report/measure.h"

@@ -2,8 +2,8 @@
 /// reprojected and what was asked for, and is the base of the next one.
 #include "vr_client/modes/partial_request.h"
 
+#include "stereo/answers/frame_packer.h"
 #include "stereo/base/check.h"
-#include "stereo/net/frame_packer.h"
 #include "tests/golden/test_rig.h"
 
 namespace farshade {

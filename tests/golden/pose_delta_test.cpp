@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/metrics/flip.h"
 #include "stereo/metrics/heat_map.h"
 #include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/metrics/ssim.h"
-#include "stereo/scene/gltf.h"
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/pose_delta_rows.h"
 #include "tests/golden/reproject_reference.h"

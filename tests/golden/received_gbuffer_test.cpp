@@ -2,8 +2,8 @@
 #include <bit>
 #include <limits>
 
-#include "stereo/draw/mesh_streams.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/raster/mesh_streams.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 

@@ -1,7 +1,7 @@
 /// The smooth reference is a picture with many pixels, averaged: the samples of its pixels are the centres of
 /// the pixels of a larger picture of the same views.
-#include "stereo/draw/frame_data.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
+#include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
 #include "vr_client/report/reference_pictures.h"
 

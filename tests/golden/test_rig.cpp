@@ -9,10 +9,10 @@
 
 #include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/math/rotation.h"
 #include "stereo/plan/scene_plan.h"
-#include "stereo/scene/gltf.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {

@@ -4,10 +4,10 @@
 #include <numbers>
 #include <random>
 
-#include "stereo/draw/difference_picture.h"
-#include "stereo/draw/timewarp_pass.h"
 #include "stereo/image/difference.h"
+#include "stereo/image/difference_picture.h"
 #include "stereo/math/rotation.h"
+#include "stereo/reproject/timewarp_pass.h"
 #include "tests/golden/test_rig.h"
 
 namespace farshade {

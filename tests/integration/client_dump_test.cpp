@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "stereo/frame/view.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/head/reader.h"
 #include "stereo/image/difference.h"
-#include "stereo/scene/gltf.h"
 #include "stereo/scene/scene_state.h"
 #include "tests/integration/client_program.h"
 #include "tests/support/image_reader.h"

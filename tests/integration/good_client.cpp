@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "stereo/base/check.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 
 namespace farshade {
 namespace {

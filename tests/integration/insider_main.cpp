@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include "stereo/base/check.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
 #include "tests/integration/insider_tools.h"
 
 using namespace farshade;

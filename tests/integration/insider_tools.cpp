@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "stereo/frame/tiles.h"
+#include "stereo/messages/frame_fields.h"
 #include "stereo/net/udp.h"
-#include "stereo/wire/frame_fields.h"
 #include "tests/unit/forged.h"
 
 namespace farshade {

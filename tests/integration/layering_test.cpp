@@ -13,11 +13,11 @@ namespace {
 std::vector<Library> libraries() {
   constexpr std::size_t any = SIZE_MAX;
   return {{"asio", "stereo/net", 3},
-          {"lz4", "stereo/wire", 1},
+          {"lz4", "stereo/codec", 1},
           {"embree", "stereo", 2},
           {"meshoptimizer", "stereo", 5},
-          {"draco", "stereo/scene", 1},
-          {"tiny_gltf", "stereo/scene", 2},
+          {"draco", "stereo/gltf", 1},
+          {"tiny_gltf", "stereo/gltf", 2},
           {"png.h", "stereo/image", 1},
           {"avahi", "stereo/announce", 3},
           {"zlib.h", "vr_client/record", 1},
@@ -33,53 +33,68 @@ std::vector<Library> libraries() {
           {"openxr", "vr_client/openxr", any}};
 }
 
-/// The intended layering: base <- math <- frame <- wire <- net, the other folders of stereo/ beside them, and
+/// The intended layering: base <- math <- frame <- messages, then net and codec <- answers beside each other,
+/// scene <- gltf, raster <- shadow_maps <- reproject <- draw, the other folders of stereo/ beside them, and
 /// both programs on top. Neither program includes the other.
 const Layering& layering() {
   static const Layering layering{
       .layers = {{"stereo/base", {}},
                  {"stereo/math", {"stereo/base"}},
                  {"stereo/frame", {"stereo/math"}},
-                 {"stereo/wire", {"stereo/frame"}},
-                 {"stereo/net", {"stereo/wire"}},
+                 {"stereo/messages", {"stereo/frame"}},
+                 {"stereo/codec", {"stereo/messages"}},
+                 {"stereo/net", {"stereo/messages"}},
+                 {"stereo/answers", {"stereo/codec"}},
                  {"stereo/pair", {"stereo/net"}},
                  {"stereo/announce", {"stereo/net"}},
-                 {"stereo/fetch", {"stereo/net", "stereo/scene"}},
+                 {"stereo/fetch", {"stereo/scene", "stereo/messages"}},
                  {"stereo/image", {"stereo/base"}},
                  {"stereo/metrics", {"stereo/frame", "stereo/image"}},
                  {"stereo/head", {"stereo/frame"}},
                  {"stereo/scene", {"stereo/image", "stereo/frame"}},
+                 {"stereo/gltf", {"stereo/scene"}},
+                 {"stereo/options", {"stereo/scene"}},
                  {"stereo/plan", {"stereo/scene", "stereo/frame"}},
                  {"stereo/tracer", {"stereo/plan"}},
                  {"stereo/placement", {"stereo/head", "stereo/tracer"}},
                  {"stereo/exposure", {"stereo/placement"}},
                  {"stereo/gpu", {"stereo/frame", "stereo/image"}},
                  {"stereo/lod", {"stereo/scene", "stereo/frame"}},
-                 {"stereo/draw", {"stereo/gpu", "stereo/plan", "stereo/lod", "shaders"}},
+                 {"stereo/raster", {"stereo/plan", "stereo/gpu", "stereo/lod", "shaders"}},
+                 {"stereo/shadow_maps", {"stereo/raster"}},
+                 {"stereo/reproject", {"stereo/shadow_maps"}},
+                 {"stereo/draw", {"stereo/reproject"}},
                  {"stereo/video", {"stereo/frame", "stereo/image"}},
                  {"stereo/doctor", {"stereo/net", "stereo/scene"}},
                  {"stereo/about", {}},
                  {"shaders", {}},
-                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
-                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
+                 {"rt_server/admission", {"stereo/net"}},
+                 {"rt_server/scheduling", {"stereo/messages"}},
+                 {"rt_server/log", {"stereo/net"}},
+                 {"rt_server/sessions", {"rt_server/admission", "rt_server/scheduling", "rt_server/log"}},
+                 {"rt_server/work", {"rt_server/sessions", "stereo/answers", "stereo/tracer"}},
+                 {"rt_server/answers", {"rt_server/work", "stereo/draw", "stereo/video"}},
                  {"rt_server/commands",
-                  {"stereo/announce", "stereo/doctor", "stereo/exposure", "stereo/pair"}},
-                 {"rt_server/fetch", {"stereo/fetch"}},
-                 {"rt_server/keys", {"rt_server/core", "rt_server/fetch"}},
+                  {"stereo/announce", "stereo/doctor", "stereo/exposure", "stereo/pair", "stereo/gltf",
+                   "stereo/options"}},
+                 {"rt_server/fetch", {"stereo/fetch", "stereo/net"}},
+                 {"rt_server/keys", {"rt_server/work", "rt_server/fetch"}},
                  {"rt_server",
                   {"rt_server/answers", "rt_server/commands", "rt_server/keys", "stereo/about",
                    "stereo/exposure"}},
                  {"vr_client/ask", {"stereo/head"}},
-                 {"vr_client/link", {"stereo/net"}},
+                 {"vr_client/link", {"stereo/net", "stereo/answers"}},
                  {"vr_client/runtime", {"stereo/head"}},
                  {"vr_client/openxr", {"vr_client/runtime", "stereo/gpu"}},
-                 {"vr_client/fetch", {"stereo/fetch"}},
+                 {"vr_client/fetch", {"stereo/fetch", "stereo/net"}},
                  {"vr_client/pair", {"stereo/pair"}},
-                 {"vr_client/doctor", {"stereo/announce", "stereo/doctor", "stereo/gpu", "vr_client/fetch"}},
+                 {"vr_client/doctor",
+                  {"stereo/announce", "stereo/doctor", "stereo/gpu", "vr_client/fetch", "stereo/gltf",
+                   "stereo/options"}},
                  {"vr_client/frame",
                   {"vr_client/ask", "vr_client/link", "vr_client/runtime", "stereo/draw", "stereo/tracer"}},
                  {"vr_client/modes", {"vr_client/frame", "stereo/video"}},
-                 {"vr_client/report", {"vr_client/frame", "stereo/metrics"}},
+                 {"vr_client/report", {"vr_client/frame", "stereo/metrics", "stereo/options"}},
                  {"vr_client/record", {"vr_client/frame"}},
                  {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
                  {"vr_client",
@@ -152,8 +167,8 @@ TEST(LayeringChecker, RefusesPathsThatAreNotFromTheRoot) {
 TEST(LayeringChecker, RefusesLibrariesElsewhereOrTwice) {
   EXPECT_EQ(only_fault({{"rt_server/a.cpp", {}, {"asio/ip/udp.hpp"}}}),
             "rt_server/a.cpp names <asio>, which belongs to stereo/net");
-  EXPECT_EQ(only_fault({{"stereo/wire/a.cpp", {}, {"lz4.h"}}, {"stereo/wire/b.cpp", {}, {"lz4.h"}}}),
-            "<lz4> is named by more than 1: stereo/wire/a.cpp stereo/wire/b.cpp");
+  EXPECT_EQ(only_fault({{"stereo/codec/a.cpp", {}, {"lz4.h"}}, {"stereo/codec/b.cpp", {}, {"lz4.h"}}}),
+            "<lz4> is named by more than 1: stereo/codec/a.cpp stereo/codec/b.cpp");
 }
 
 TEST(LayeringChecker, RefusesCycles) {
@@ -173,7 +188,8 @@ TEST(LayeringChecker, RefusesTheCyclesOfTheProgramsWhenTheyArePutBack) {
   for (const Cycle& cycle :
        {Cycle{"vr_client/frame", "vr_client/modes"}, Cycle{"vr_client/frame", "vr_client/record"},
         Cycle{"vr_client/frame", "vr_client/report"}, Cycle{"vr_client/frame", "vr_client/preview"},
-        Cycle{"rt_server/core", "rt_server/answers"}}) {
+        Cycle{"rt_server/work", "rt_server/answers"}, Cycle{"rt_server/sessions", "rt_server/work"},
+        Cycle{"stereo/raster", "stereo/reproject"}, Cycle{"stereo/scene", "stereo/gltf"}}) {
     SCOPED_TRACE(cycle.below);
     // In this tree, as one more include of a file that exists.
     auto tree = read_tree(FARSHADE_SOURCE, layering());

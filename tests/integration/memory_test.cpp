@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include "stereo/base/check.h"
+#include "stereo/codec/plane_codec.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
-#include "stereo/wire/plane_codec.h"
 #include "tests/integration/child_program.h"
 #include "tests/integration/test_keys.h"
 #include "tests/support/sanitized.h"

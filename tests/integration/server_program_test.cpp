@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <thread>
 
+#include "stereo/gltf/gltf.h"
+#include "stereo/messages/handshake.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
-#include "stereo/wire/handshake.h"
 #include "tests/integration/child_program.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stereo/wire/key_file.h"
+#include "stereo/messages/key_file.h"
 
 namespace farshade {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <span>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
-#include "stereo/scene/gltf.h"
 #include "tests/network/rehearsal.h"
 #include "tests/support/nightly.h"
 

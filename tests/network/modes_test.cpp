@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <iostream>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
 #include "stereo/video/video.h"
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"

@@ -5,11 +5,12 @@
 #include <cstdio>
 #include <numeric>
 
-#include "stereo/base/command_line.h"
 #include "stereo/base/quantile.h"
-#include "stereo/base/within.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
+#include "stereo/options/command_line.h"
+#include "stereo/options/within.h"
 #include "stereo/scene/lighting.h"
 #include "tests/network/rehearsal.h"
 

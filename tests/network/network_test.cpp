@@ -3,9 +3,9 @@
 
 #include <numeric>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
 #include "tests/network/rehearsal.h"
 
 namespace farshade {

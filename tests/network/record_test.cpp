@@ -4,10 +4,10 @@
 #include <map>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/core/server_core.h"
+#include "rt_server/work/server_core.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/scratch_folder.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rt_server/core/server_core.h"
+#include "rt_server/work/server_core.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"

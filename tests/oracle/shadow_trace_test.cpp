@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/scene/sky.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"

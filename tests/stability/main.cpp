@@ -8,7 +8,7 @@
 #include <regex>
 
 #include "stereo/base/clock.h"
-#include "stereo/base/command_line.h"
+#include "stereo/options/command_line.h"
 #include "tests/stability/cases.h"
 
 namespace {

@@ -12,11 +12,12 @@
 
 #include "stereo/base/files.h"
 #include "stereo/base/quantile.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "stereo/math/rotation.h"
+#include "stereo/messages/key_file.h"
 #include "stereo/scene/lighting.h"
-#include "stereo/wire/key_file.h"
 #include "tests/integration/child_program.h"
 #include "tests/stability/judge.h"
 

@@ -8,7 +8,7 @@
 
 #include "stereo/head/head_recording.h"
 #include "stereo/scene/scene.h"
-#include "tests/unit/scene/gltf_builder.h"
+#include "tests/unit/gltf/gltf_builder.h"
 
 namespace farshade::stability {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "stereo/base/check.h"
-#include "stereo/draw/reprojection.h"
+#include "stereo/reproject/reprojection.h"
 
 namespace farshade::study {
 namespace {

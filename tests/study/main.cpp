@@ -7,14 +7,15 @@
 #include <csignal>
 #include <cstdio>
 
-#include "stereo/base/command_line.h"
 #include "stereo/base/heap.h"
-#include "stereo/base/within.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/lod/levels.h"
+#include "stereo/options/command_line.h"
+#include "stereo/options/start_pose_option.h"
+#include "stereo/options/within.h"
 #include "stereo/scene/lighting.h"
-#include "stereo/scene/start_pose_option.h"
 #include "tests/study/clients.h"
 #include "tests/study/mode_words.h"
 #include "tests/study/point.h"

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <functional>
 
+#include "stereo/plan/plan_masks.h"
+
 namespace farshade::study {
 namespace {
 

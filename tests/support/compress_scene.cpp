@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "stereo/base/files.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "tests/support/gltf_compressor.h"
 
 using namespace farshade;

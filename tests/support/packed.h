@@ -1,7 +1,7 @@
 /// Packs whole answers, for tests.
 #pragma once
 
-#include "stereo/net/frame_packer.h"
+#include "stereo/answers/frame_packer.h"
 
 namespace farshade {
 

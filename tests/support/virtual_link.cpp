@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "stereo/base/check.h"
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 namespace farshade {
 namespace {

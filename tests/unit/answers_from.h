@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "rt_server/core/request_handlers.h"
+#include "rt_server/work/request_handlers.h"
 #include "tests/support/manual_clock.h"
 
 namespace farshade {

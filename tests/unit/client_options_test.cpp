@@ -6,6 +6,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "stereo/options/parse_start_pose.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {

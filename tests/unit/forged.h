@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stereo/wire/handshake.h"
+#include "stereo/messages/handshake.h"
 
 namespace farshade::link_test {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "rt_server/core/server_core.h"
+#include "rt_server/work/server_core.h"
+#include "stereo/answers/assembler.h"
+#include "stereo/messages/handshake.h"
 #include "stereo/net/arrivals.h"
-#include "stereo/net/assembler.h"
-#include "stereo/wire/handshake.h"
 #include "tests/unit/answers_from.h"
 
 namespace farshade::link_test {

@@ -36,7 +36,8 @@ struct RequestSettings {
 /// How the client shows what it gets for other views than the shown ones.
 enum class AnswerUse : std::uint8_t {
   Reprojected,  ///< each surface point looks up its place in the requested view
-  Timewarped,   ///< the picture is turned; the movement of the eye is ignored (stereo/draw/timewarp_pass.h)
+  Timewarped,   ///< the picture is turned; the movement of the eye is ignored
+                ///< (stereo/reproject/timewarp_pass.h)
 };
 
 /// In a scene where nothing moves, masks age slowly. If they come later than this, requests so far apart give

@@ -9,12 +9,13 @@
 #include <optional>
 
 #include "stereo/announce/find_server.h"
+#include "stereo/gltf/load_lit_scene.h"
 #include "stereo/gpu/device.h"
+#include "stereo/messages/handshake.h"
+#include "stereo/messages/key_file.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/lighting_options.h"
-#include "stereo/wire/handshake.h"
-#include "stereo/wire/key_file.h"
+#include "stereo/options/lighting_options.h"
 #include "vr_client/fetch/fetch_scene.h"
 
 namespace farshade {

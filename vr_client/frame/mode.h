@@ -4,9 +4,10 @@
 #include <array>
 #include <string_view>
 
-#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/answer_spec.h"
+#include "stereo/plan/plan_masks.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/shadow_maps/shadow_map_settings.h"
 
 namespace farshade {
 

@@ -2,7 +2,7 @@
 /// measured against it.
 #pragma once
 
-#include "stereo/draw/reprojection.h"
+#include "stereo/reproject/reprojection.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {

@@ -1,13 +1,13 @@
 /// FrameReceiver: the client's side of a session, whoever carries its messages. Requests go out through it,
 /// and the server's messages come in. It has no socket, no keys and no clock, so that a capture file fills it
-/// as the network does. It owns the records of all requests (stereo/net/assembler.h).
+/// as the network does. It owns the records of all requests (stereo/answers/assembler.h).
 #pragma once
 
 #include <vector>
 
+#include "stereo/answers/assembler.h"
 #include "stereo/base/expected.h"
 #include "stereo/frame/cube_mask.h"
-#include "stereo/net/assembler.h"
 
 namespace farshade {
 

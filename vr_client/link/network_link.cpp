@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "stereo/base/check.h"
+#include "stereo/messages/timing.h"
 #include "stereo/net/explain.h"
-#include "stereo/wire/timing.h"
 
 namespace farshade {
 namespace {

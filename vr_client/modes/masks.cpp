@@ -9,11 +9,11 @@
 #include <algorithm>
 
 #include "stereo/base/check.h"
-#include "stereo/draw/frame_data.h"
-#include "stereo/draw/motion.h"
+#include "stereo/codec/plane_codec.h"
 #include "stereo/frame/position_grid.h"
+#include "stereo/raster/frame_data.h"
+#include "stereo/reproject/motion.h"
 #include "stereo/scene/moving_bounds.h"
-#include "stereo/wire/plane_codec.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/partial_request.h"
 

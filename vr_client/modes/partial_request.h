@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "stereo/answers/assembler.h"
+#include "stereo/codec/ask_coder.h"
 #include "stereo/draw/renderer.h"
-#include "stereo/net/assembler.h"
-#include "stereo/wire/ask_coder.h"
 #include "vr_client/link/frame_receiver.h"
 
 namespace farshade {

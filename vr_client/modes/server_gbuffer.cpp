@@ -2,8 +2,8 @@
 // passes as its own G-buffer, and turns the picture to the shown pose. Of the scene it needs only the lights.
 #include <algorithm>
 
-#include "stereo/draw/timewarp_pass.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/reproject/timewarp_pass.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/masks.h"
 

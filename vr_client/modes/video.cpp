@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stereo/draw/timewarp_pass.h"
+#include "stereo/reproject/timewarp_pass.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/mask_stream.h"
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <bitset>
 
-#include "stereo/wire/frame_fields.h"
+#include "stereo/messages/frame_fields.h"
 
 namespace farshade {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 #include "vr_client/frame/frame_loop.h"
 
 namespace farshade {

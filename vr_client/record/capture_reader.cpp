@@ -3,7 +3,7 @@
 #include <array>
 #include <fstream>
 
-#include "stereo/wire/bytes.h"
+#include "stereo/messages/bytes.h"
 
 namespace farshade {
 namespace {

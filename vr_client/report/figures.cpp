@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stereo/base/command_line.h"
+#include "stereo/options/command_line.h"
 
 namespace farshade {
 namespace {

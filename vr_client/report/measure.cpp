@@ -6,11 +6,11 @@
 #include <bit>
 #include <cmath>
 
-#include "stereo/draw/frame_data.h"
 #include "stereo/image/difference.h"
 #include "stereo/metrics/flip.h"
 #include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/metrics/ssim.h"
+#include "stereo/raster/frame_data.h"
 #include "vr_client/report/reference_pictures.h"
 
 namespace farshade {

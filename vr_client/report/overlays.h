@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "stereo/draw/reprojection.h"
 #include "stereo/image/image.h"
+#include "stereo/reproject/reprojection.h"
 
 namespace farshade {
 

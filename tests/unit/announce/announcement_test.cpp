@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 
 namespace farshade {
 namespace {

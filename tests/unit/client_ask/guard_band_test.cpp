@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "stereo/draw/frame_data.h"
 #include "stereo/math/rotation.h"
+#include "stereo/raster/frame_data.h"
 
 namespace farshade {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "stereo/math/rotation.h"
 
-#include "stereo/draw/frame_data.h"
+#include "stereo/raster/frame_data.h"
 
 namespace farshade {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "stereo/net/video_parts.h"
+#include "stereo/answers/video_parts.h"
 
 namespace farshade {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include "stereo/wire/bytes.h"
-#include "tests/unit/wire/samples.h"
+#include "stereo/messages/bytes.h"
+#include "tests/unit/messages/samples.h"
 #include "vr_client/record/capture_reader.h"
 
 namespace farshade::record_samples {

@@ -8,8 +8,8 @@
 #include <array>
 #include <set>
 
+#include "stereo/gltf/gltf.h"
 #include "stereo/lod/surface_distance.h"
-#include "stereo/scene/gltf.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/lod/shapes.h"
 

@@ -5,7 +5,7 @@
 #include "stereo/scene/lighting.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/scene_state.h"
-#include "tests/unit/scene/gltf_builder.h"
+#include "tests/unit/gltf/gltf_builder.h"
 
 namespace farshade {
 namespace {

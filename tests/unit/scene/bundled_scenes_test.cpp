@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/scene/scene_state.h"
 
 namespace farshade {

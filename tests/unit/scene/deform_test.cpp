@@ -7,7 +7,7 @@
 #include "stereo/scene/mesh_parts.h"
 #include "stereo/scene/moving_bounds.h"
 #include "stereo/scene/scene_state.h"
-#include "tests/unit/scene/gltf_builder.h"
+#include "tests/unit/gltf/gltf_builder.h"
 
 namespace farshade {
 namespace {

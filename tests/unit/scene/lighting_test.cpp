@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "stereo/options/parse_light.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/scene_state.h"
 #include "stereo/scene/viewpoint.h"

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "stereo/math/rotation.h"
+#include "stereo/options/parse_start_pose.h"
 
 namespace farshade {
 namespace {

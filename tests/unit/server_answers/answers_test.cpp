@@ -5,11 +5,11 @@
 
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/video.h"
+#include "stereo/answers/assembler.h"
 #include "stereo/base/check.h"
+#include "stereo/codec/ask_coder.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/net/assembler.h"
-#include "stereo/scene/gltf.h"
-#include "stereo/wire/ask_coder.h"
+#include "stereo/gltf/gltf.h"
 
 namespace farshade {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "stereo/wire/messages.h"
+#include "stereo/messages/messages.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 

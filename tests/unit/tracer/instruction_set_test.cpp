@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"

@@ -1,7 +1,7 @@
 // Lights that a viewer has switched off or moved.
 #include <gtest/gtest.h>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/scene_builder.h"
 

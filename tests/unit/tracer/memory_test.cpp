@@ -1,7 +1,7 @@
 /// Compares the predicted memory of a tracer with the measured memory.
 #include <gtest/gtest.h>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/tracer/placed_surface.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/scene_builder.h"

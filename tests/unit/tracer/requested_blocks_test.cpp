@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "stereo/base/check.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/gltf/gltf.h"
 #include "stereo/tracer/block_groups.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"

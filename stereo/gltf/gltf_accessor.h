@@ -1,0 +1,39 @@
+/// Reads the elements of validated accessors as numbers. Handles strides, sparse elements and normalised
+/// integers.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "stereo/gltf/gltf_model.h"
+
+namespace farshade::gltf {
+
+/// The address of the first dense element of `accessor` and the distance between elements in bytes. `first`
+/// is null if the accessor has no buffer view.
+struct ElementRun {
+  const std::uint8_t* first = nullptr;
+  std::uint64_t stride = 0;
+};
+[[nodiscard]] ElementRun elements_of(const Document& document, const Accessor& accessor);
+
+/// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
+template <int N>
+[[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t accessor);
+
+/// Matrices of 4x4 floats.
+[[nodiscard]] std::vector<glm::mat4> read_matrices(const Document& document, std::uint32_t accessor);
+
+/// Scalars as floats (animation keys).
+[[nodiscard]] std::vector<float> read_scalars(const Document& document, std::uint32_t accessor);
+
+/// Unsigned scalars (vertex indices).
+[[nodiscard]] std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t accessor);
+
+/// The indices of the elements that a sparse accessor replaces. Empty for any other.
+[[nodiscard]] std::vector<std::uint32_t> sparse_indices(const Document& document, const Accessor& accessor);
+
+}  // namespace farshade::gltf

@@ -1,0 +1,112 @@
+#include "stereo/gltf/gltf_choice.h"
+
+#include "stereo/gltf/gltf_validate.h"
+
+namespace farshade::gltf {
+namespace {
+
+constexpr std::string_view kPrefix = "camera:";
+constexpr std::size_t kMostListed = 12;
+
+/// "'day', 'night'"; "none" for an empty list.
+std::string listed(const std::vector<std::string>& names) {
+  if (names.empty()) return "none";
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i)
+    text += (i ? ", '" : "'") + printable(names[i]) + "'";
+  return names.size() > kMostListed ? text + " and more" : text;
+}
+
+std::string scenes_in_words(const Document& document) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(document.scenes.size(), kMostListed); ++i)
+    text += (i ? ", " : "") + label("", i, document.scenes[i].name).substr(1);
+  return document.scenes.size() > kMostListed ? text + " and more" : text;
+}
+
+std::string camera_name(const Document& document, std::uint32_t index) {
+  const Node& node = document.nodes[index];
+  if (!node.name.empty()) return node.name;
+  const std::string name = node.camera < 0 ? "" : at(document.cameras, node.camera).name;
+  return name.empty() ? label("node", index) : name;
+}
+
+bool is_called(const Document& document, std::uint32_t index, const std::string& name) {
+  const Node& node = document.nodes[index];
+  return camera_name(document, index) == name || node.name == std::string(kPrefix) + name ||
+         (node.camera >= 0 && at(document.cameras, node.camera).name == name);
+}
+
+/// The names of KHR_materials_variants.
+std::vector<std::string> variants_of(const Document& document) {
+  std::vector<std::string> names;
+  const auto* variants = extension(document.extensions, "KHR_materials_variants");
+  for (const tinygltf::Value& variant : list_member(variants, "variants"))
+    names.push_back(text_member(variant, "name"));
+  return names;
+}
+
+/// The material that a primitive has in a variant; if two mappings name the variant, that of the last one.
+Index material_in(const Primitive& primitive, int variant) {
+  Index material;
+  const auto* variants = extension(primitive.extensions, "KHR_materials_variants");
+  for (const tinygltf::Value& mapping : list_member(variants, "mappings"))
+    for (const tinygltf::Value& of : list_member(&mapping, "variants"))
+      if (of.GetNumberAsInt() == variant) material = index_member(mapping, "material");
+  return material;
+}
+
+Checked choose_variant(Document& document, const std::string& name) {
+  const std::vector<std::string> variants = variants_of(document);
+  const auto found = std::ranges::find(variants, name);
+  if (found == variants.end())
+    return fail(Fault::Missing,
+                "there is no variant '" + printable(name) + "'; the file has " + listed(variants));
+  const auto variant = static_cast<int>(found - variants.begin());
+  for (Mesh& mesh : document.meshes)
+    for (Primitive& primitive : mesh.primitives)
+      if (const Index mapped = material_in(primitive, variant))
+        primitive.material = static_cast<int>(*mapped);
+  return {};
+}
+
+}  // namespace
+
+Checked choose_scene(Document& document, const SceneChoice& choice) {
+  if (choice.scene && *choice.scene >= document.scenes.size())
+    return fail(Fault::Missing, "there is no scene " + std::to_string(*choice.scene) + "; the file has " +
+                                    (document.scenes.empty() ? "none" : scenes_in_words(document)));
+  if (choice.scene) document.defaultScene = static_cast<int>(*choice.scene);
+  return choice.variant.empty() ? Checked{} : choose_variant(document, choice.variant);
+}
+
+std::vector<std::uint32_t> camera_nodes(const Document& document) {
+  std::vector<std::uint32_t> found;
+  if (document.scenes.empty()) return found;
+  for (const std::uint32_t i : parents_first(document, roots_of(document)))
+    if (document.nodes[i].camera >= 0 || document.nodes[i].name.starts_with(kPrefix)) found.push_back(i);
+  return found;
+}
+
+Checked choose_camera(Document& document, const SceneChoice& choice) {
+  if (choice.camera.empty()) return {};
+  std::vector<std::string> names;
+  for (const std::uint32_t i : camera_nodes(document)) {
+    if (is_called(document, i, choice.camera)) {
+      document.chosen_camera = i;
+      return {};
+    }
+    names.push_back(camera_name(document, i));
+  }
+  return fail(Fault::Missing,
+              "there is no camera '" + printable(choice.camera) + "'; the scene has " + listed(names));
+}
+
+FileContents contents_of(const Document& document) {
+  FileContents offer{{}, {}, variants_of(document), index_of(document.defaultScene).value_or(0)};
+  for (const tinygltf::Scene& scene : document.scenes) offer.scenes.push_back(scene.name);
+  for (const std::uint32_t i : camera_nodes(document)) offer.cameras.push_back(camera_name(document, i));
+  return offer;
+}
+
+}  // namespace farshade::gltf

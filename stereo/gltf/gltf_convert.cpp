@@ -1,0 +1,260 @@
+#include "stereo/gltf/gltf_convert.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/gltf/gltf_animation.h"
+#include "stereo/gltf/gltf_choice.h"
+#include "stereo/gltf/gltf_deform.h"
+#include "stereo/gltf/gltf_lights.h"
+#include "stereo/gltf/gltf_materials.h"
+#include "stereo/gltf/gltf_mesh.h"
+#include "stereo/gltf/gltf_validate.h"
+#include "stereo/scene/mesh_parts.h"
+#include "stereo/scene/scene_state.h"
+#include "stereo/scene/sky.h"
+
+namespace farshade::gltf {
+namespace {
+
+constexpr double kMaxDistance_m = 1e9;
+
+/// The order of the nodes in the Scene (those of the default scene, parents first), as maps in both
+/// directions.
+struct NodeOrder {
+  std::vector<std::uint32_t> from_document;
+  std::vector<Index> to_scene;
+};
+
+NodeOrder order_nodes(const Document& document) {
+  NodeOrder order{parents_first(document, roots_of(document)), {}};
+  order.to_scene.resize(document.nodes.size());
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) order.to_scene[order.from_document[i]] = i;
+  return order;
+}
+
+farshade::Node node_from(const Node& from) {
+  farshade::Node to;
+  to.name = from.name;
+  to.rest.matrix = matrix_of(from);
+  to.rest.translation = translation_of(from);
+  to.rest.scale = scale_of(from);
+  to.rest.rotation = glm::normalize(rotation_of(from));
+  return to;
+}
+
+void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
+  for (const std::uint32_t index : order.from_document)
+    scene.nodes.push_back(node_from(document.nodes[index]));
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
+    for (const int child : document.nodes[order.from_document[i]].children)
+      scene.nodes[*at(order.to_scene, child)].parent = i;
+}
+
+/// False for NaN.
+bool is_near(const glm::dvec3& p) {
+  return std::abs(p.x) <= kMaxDistance_m && std::abs(p.y) <= kMaxDistance_m &&
+         std::abs(p.z) <= kMaxDistance_m;
+}
+
+/// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
+Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document,
+                                              MaterialConverter& materials, Scene& scene) {
+  std::vector<std::uint32_t> numbers;
+  for (const Primitive& primitive : from.primitives) {
+    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
+    farshade::Mesh mesh = mesh_from(document, primitive);
+    if (mesh.triangles.empty()) continue;
+    const auto material = materials.material(index_of(primitive.material));
+    if (!material) return tl::unexpected(material.error());
+    mesh.name = from.name;
+    mesh.material = *material;
+    numbers.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
+    scene.meshes.push_back(std::move(mesh));
+  }
+  return numbers;
+}
+
+/// Adds a mesh that one instance shows; nothing if it has no triangles.
+void add_instance(farshade::Mesh mesh, std::uint32_t node, std::optional<std::uint32_t> rig, Scene& scene) {
+  if (mesh.triangles.empty()) return;
+  scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()), node, rig});
+  scene.triangle_count += mesh.triangles.size();
+  scene.meshes.push_back(std::move(mesh));
+}
+
+/// A primitive as a rig deforms it at time 0.
+Expected<farshade::Mesh> deformed_mesh(const Document& document, const Primitive& primitive,
+                                       const RigPose& pose, const std::string& name,
+                                       MaterialConverter& materials) {
+  farshade::Mesh mesh = deformable_mesh_from(document, primitive, !pose.object_from_bind.empty());
+  const auto material = materials.material(index_of(primitive.material));
+  if (!material) return tl::unexpected(material.error());
+  mesh.name = name;
+  mesh.material = *material;
+  pose_at_start(pose, mesh);
+  if (!std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
+    return fail(Fault::OutOfRange, "mesh '" + printable(name) + "' is deformed beyond 1e9 m");
+  return mesh;
+}
+
+/// Where a rig's meshes are placed in the scene, and the number of the rig unless it never moves.
+struct RigPlace {
+  std::uint32_t node = 0;
+  std::optional<std::uint32_t> rig;
+};
+
+RigPlace add_rig(const Rig& rig, std::uint32_t node, std::span<const Affine<Stage, Object>> poses,
+                 Scene& scene) {
+  const bool moves = rig.track || std::ranges::any_of(rig.joints, [&](const Joint& joint) {
+                       return scene.nodes[joint.node].moving;
+                     });
+  if (moves) {
+    scene.rigs.push_back(rig);
+    return {rig.joints.empty() ? node : rig.joints[0].node,
+            static_cast<std::uint32_t>(scene.rigs.size() - 1)};
+  }
+  if (rig.joints.empty()) return {node, {}};
+  scene.nodes.push_back({"skinned mesh", {}, {.matrix = stage_from_skin(rig, poses).matrix}});
+  return {static_cast<std::uint32_t>(scene.nodes.size() - 1), {}};
+}
+
+/// Adds the meshes that one rig deforms. If nothing of the rig ever moves, they are like any other mesh.
+Checked add_deformed(const Document& document, const Node& from, std::uint32_t node, const Rig& rig,
+                     std::span<const Affine<Stage, Object>> poses, MaterialConverter& materials,
+                     Scene& scene) {
+  const RigPose pose = pose_of(scene, rig, poses, Time{});
+  const RigPlace place = add_rig(rig, node, poses, scene);
+  const Mesh& mesh = at(document.meshes, from.mesh);
+  for (const Primitive& primitive : mesh.primitives) {
+    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
+    if (attribute(primitive, "JOINTS_1"))
+      scene.warnings.push_back("mesh '" + printable(mesh.name) +
+                               "': vertices follow their first four joints only");
+    auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
+    if (!deformed) return tl::unexpected(deformed.error());
+    if (place.rig) {
+      for (farshade::Mesh& part : parts_of(std::move(*deformed)))
+        add_instance(std::move(part), place.node, place.rig, scene);
+    } else {
+      deformed->deformable.reset();
+      remove_without_area(*deformed);
+      add_instance(std::move(*deformed), place.node, {}, scene);
+    }
+  }
+  return {};
+}
+
+/// Meshes that a rig deforms are converted for each node alone.
+Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+                      const WeightTracks& tracks, Scene& scene) {
+  MaterialConverter materials(document, limits, scene);
+  std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
+  const auto still = static_cast<std::uint32_t>(scene.nodes.size());
+  if (!document.skins.empty()) scene.nodes.emplace_back().name = "joints that are not in the scene";
+  const auto poses = stage_from_nodes(scene, Time{});
+  for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
+    const std::uint32_t number = order.from_document[node];
+    const Node& from = document.nodes[number];
+    if (from.mesh < 0) continue;
+    if (deforms(document, from, number, tracks)) {
+      const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
+      if (auto added = add_deformed(document, from, node, rig, poses, materials, scene); !added) return added;
+      continue;
+    }
+    auto& shared = at(converted, from.mesh);
+    if (!shared) {
+      auto numbers = add_mesh(at(document.meshes, from.mesh), document, materials, scene);
+      if (!numbers) return tl::unexpected(numbers.error());
+      shared = std::move(*numbers);
+    }
+    for (const std::uint32_t mesh : *shared) {
+      scene.instances.push_back({mesh, node});
+      scene.triangle_count += scene.meshes[mesh].triangles.size();
+    }
+  }
+  if (scene.instances.empty()) return malformed("nothing to draw: the default scene has no triangles");
+  return {};
+}
+
+/// Sorts the lights by their index in the file, then by the node that carries them.
+Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+                   const AnimatedLights& animated, Scene& scene) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
+  for (const std::uint32_t node : order.from_document)
+    if (const Index light = light_of(document.nodes[node])) uses.emplace_back(*light, node);
+  if (uses.size() > limits.lights)
+    return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
+                                       std::to_string(limits.lights) + " can be told apart");
+  std::sort(uses.begin(), uses.end());
+  for (const auto& [light, node] : uses) {
+    const auto found = animated.find(light);
+    const bool changes = found != animated.end();
+    const Light& from = document.lights[light];
+    scene.lights.push_back(light_from(from, changes ? found->second.rest : values_of(from),
+                                      changes ? found->second.tracks : std::vector<LightTrack>{},
+                                      *order.to_scene[node]));
+  }
+  return {};
+}
+
+/// The pose of a node without scale and shear. The z axis keeps its direction; the y axis stays in the plane
+/// of the old y and z axes.
+Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
+  const glm::dvec3 back = glm::normalize(glm::dvec3(pose.matrix[2]));
+  const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(pose.matrix[1]), back));
+  const glm::dmat3 axes(right, glm::cross(back, right), back);
+  return {glm::normalize(glm::quat_cast(axes)), glm::dvec3(pose.matrix[3])};
+}
+
+/// The chosen camera, otherwise the first node whose name starts with `camera:`, otherwise the first with a
+/// camera.
+Index camera_node(const Document& document, const NodeOrder& order) {
+  if (document.chosen_camera) return order.to_scene[*document.chosen_camera];
+  Index found;
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
+    const Node& node = document.nodes[order.from_document[i]];
+    if (node.name.rfind("camera:", 0) == 0) return i;
+    if (!found && node.camera >= 0) found = i;
+  }
+  return found;
+}
+
+Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
+  const SceneState state = state_at(scene, Time{});
+  const auto poses = stage_from_nodes(scene, Time{});
+  if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
+  scene.bounds = kNoPoint;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Bounds object = bounds_of(scene.meshes[scene.instances[i].mesh].positions);
+    scene.bounds = joined(scene.bounds, moved(state.stage_from_object[i].matrix, object));
+  }
+  const bool lights_near =
+      std::all_of(scene.lights.begin(), scene.lights.end(),
+                  [&](const LightSource& light) { return is_near(glm::dvec3(poses[light.node].matrix[3])); });
+  const bool camera_near = !scene.camera || is_near(scene.camera->translation);
+  if (is_near(scene.bounds.low) && is_near(scene.bounds.high) && lights_near && camera_near) return {};
+  return fail(Fault::OutOfRange, "the scene, a light or its camera lies more than 1e9 m from the origin");
+}
+
+}  // namespace
+
+Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
+  if (document.scenes.empty()) return malformed("nothing to draw: the file has no scene");
+  const NodeOrder order = order_nodes(document);
+  Scene scene;
+  scene.warnings = document.warnings;
+  scene.contents = contents_of(document);
+  add_nodes(document, order, scene);
+  const AnimatedLights lights = animated_lights(document, order.to_scene);
+  const WeightTracks tracks = add_animations(document, order.to_scene, lights, scene);
+  const Checked checked = add_instances(document, order, limits, tracks, scene)
+                              .and_then([&] { return add_lights(document, order, limits, lights, scene); })
+                              .and_then([&] { return add_places(document, order, scene); });
+  if (!checked) return tl::unexpected(checked.error());
+  remove_needless_alpha_tests(scene);
+  find_sky(scene);
+  return scene;
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,147 @@
+#include "stereo/gltf/gltf_instances.h"
+
+#include <map>
+
+#include "stereo/gltf/gltf_accessor.h"
+
+namespace farshade::gltf {
+namespace {
+
+/// Instances of all nodes together: 2^16, and one for each four bytes of the buffers.
+std::uint64_t instance_budget(const Document& document) {
+  std::uint64_t bytes = 0;
+  for (const auto& buffer : document.buffers) bytes += buffer.data.size();
+  return (std::uint64_t{1} << 16) + bytes / 4;
+}
+
+/// EXT_mesh_gpu_instancing of a node: accessors with one value per instance.
+struct Instancing {
+  Index translation, rotation, scale;
+};
+
+std::optional<Instancing> instancing_of(const Node& node) {
+  const auto* from = extension(node.extensions, "EXT_mesh_gpu_instancing");
+  if (!from) return std::nullopt;
+  const auto* attributes = member(*from, "attributes");
+  if (!attributes) return Instancing{};
+  return Instancing{index_member(*attributes, "TRANSLATION"), index_member(*attributes, "ROTATION"),
+                    index_member(*attributes, "SCALE")};
+}
+
+Checked check_attribute(const Document& document, const std::string& name, Index index, std::uint32_t rows,
+                        std::optional<std::uint64_t>& count) {
+  if (!index) return {};
+  const std::string subject = name + ": instance " + label("accessor", *index);
+  if (*index >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[*index];
+  const Component component = component_of(accessor);
+  const bool whole = accessor.normalized && (component == Component::Int8 || component == Component::Int16);
+  if (!has_shape(accessor, rows) || !(component == Component::Float || (rows == 4 && whole)))
+    return malformed(subject + " has a type that this attribute cannot have");
+  if (count.value_or(accessor.count) != accessor.count)
+    return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +
+                     std::to_string(*count) + " instances");
+  count = accessor.count;
+  return {};
+}
+
+/// The number of instances.
+Expected<std::uint64_t> check_instances(const Document& document, const std::string& name,
+                                        const Instancing& from) {
+  std::optional<std::uint64_t> count;
+  const Checked checked =
+      check_attribute(document, name, from.translation, 3, count)
+          .and_then([&] { return check_attribute(document, name, from.rotation, 4, count); })
+          .and_then([&] { return check_attribute(document, name, from.scale, 3, count); });
+  if (!checked) return tl::unexpected(checked.error());
+  return count.value_or(1);
+}
+
+/// As glTF writes a rotation: x, y, z, w.
+std::vector<double> rotation_from(const glm::vec4& v) {
+  const glm::dquat q(v.w, v.x, v.y, v.z);
+  const glm::dquat unit = glm::length(q) > 1e-6 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
+  return {unit.x, unit.y, unit.z, unit.w};
+}
+
+/// One child of `parent` for each instance.
+std::vector<Node> instances_of(const Document& document, const Node& parent, const Instancing& from,
+                               std::uint64_t count) {
+  std::vector<glm::vec3> places, sizes;
+  std::vector<glm::vec4> turns;
+  if (from.translation) places = read_vectors<3>(document, *from.translation);
+  if (from.rotation) turns = read_vectors<4>(document, *from.rotation);
+  if (from.scale) sizes = read_vectors<3>(document, *from.scale);
+  std::vector<Node> made;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!sizes.empty() && sizes[i].x * sizes[i].y * sizes[i].z == 0.0f) continue;
+    Node& node = made.emplace_back();
+    node.name = parent.name;
+    node.mesh = parent.mesh;
+    node.weights = parent.weights;
+    if (!places.empty()) node.translation = {places[i].x, places[i].y, places[i].z};
+    if (!turns.empty()) node.rotation = rotation_from(turns[i]);
+    if (!sizes.empty()) node.scale = {sizes[i].x, sizes[i].y, sizes[i].z};
+  }
+  return made;
+}
+
+/// A channel that animates the weights of a node.
+struct WeightChannel {
+  std::size_t animation = 0;
+  int sampler = 0;
+};
+using WeightChannels = std::multimap<std::size_t, WeightChannel>;  ///< by node
+
+WeightChannels weight_channels(const Document& document) {
+  WeightChannels result;
+  for (std::size_t a = 0; a < document.animations.size(); ++a)
+    for (const AnimationChannel& channel : document.animations[a].channels)
+      if (channel.target_path == "weights")
+        result.emplace(static_cast<std::size_t>(channel.target_node), WeightChannel{a, channel.sampler});
+  return result;
+}
+
+/// Animates the weights of all nodes from `first` on like those of `node`, whose instances they are.
+void share_weights(const WeightChannels& channels, std::size_t node, std::size_t first, Document& document) {
+  const auto [begin, end] = channels.equal_range(node);
+  for (auto channel = begin; channel != end; ++channel)
+    for (std::size_t instance = first; instance < document.nodes.size(); ++instance) {
+      AnimationChannel& added = document.animations[channel->second.animation].channels.emplace_back();
+      added.sampler = channel->second.sampler;
+      added.target_node = static_cast<int>(instance);
+      added.target_path = "weights";
+    }
+}
+
+}  // namespace
+
+Checked expand_instances(Document& document) {
+  std::uint64_t left = instance_budget(document);
+  const std::size_t nodes = document.nodes.size();  // of the file
+  const WeightChannels channels = weight_channels(document);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const Node& node = document.nodes[i];
+    const auto instancing = instancing_of(node);
+    if (!instancing || node.mesh < 0 || node.skin >= 0) continue;  // a skin has the place of its joints
+    const std::string name = label("node", i, node.name);
+    const auto count = check_instances(document, name, *instancing);
+    if (!count) return tl::unexpected(count.error());
+    if (*count > left)
+      return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
+                                         " instances are more than a file of this size should have");
+    left -= *count;
+    const std::size_t first = document.nodes.size();
+    std::vector<Node> made = instances_of(document, node, *instancing, *count);
+    for (Node& instance : made) {
+      document.nodes[i].children.push_back(static_cast<int>(document.nodes.size()));
+      document.nodes.push_back(std::move(instance));
+    }
+    share_weights(channels, i, first, document);
+    document.nodes[i].mesh = -1;
+    document.nodes[i].weights.clear();
+  }
+  return {};
+}
+
+}  // namespace farshade::gltf

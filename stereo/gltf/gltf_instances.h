@@ -1,0 +1,13 @@
+/// EXT_mesh_gpu_instancing: each instance becomes a node of its own.
+#pragma once
+
+#include "stereo/gltf/gltf_model.h"
+
+namespace farshade::gltf {
+
+/// Replaces the mesh of each node with instances by children that show it, one for each instance. Accessors
+/// must be valid. Refuses more instances than a file of this size should have. Instances of scale 0 are left
+/// out.
+[[nodiscard]] Checked expand_instances(Document& document);
+
+}  // namespace farshade::gltf

@@ -1,0 +1,137 @@
+#include "stereo/gltf/gltf_validate.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "stereo/gltf/gltf_accessor.h"
+
+namespace farshade::gltf {
+namespace {
+
+Checked check_view(const Document& document, std::size_t index, const BufferView& view) {
+  const std::string name = label("buffer view", index);
+  if (!points_into(document.buffers, view.buffer))
+    return malformed(name + ": there is no " + label("buffer", view.buffer));
+  const std::uint64_t size = at(document.buffers, view.buffer).data.size();
+  if (view.byteOffset > size || view.byteLength > size - view.byteOffset)
+    return malformed(name + " reads beyond its buffer (" + std::to_string(size) + " bytes)");
+  return {};
+}
+
+/// True if `count` elements of `bytes` bytes, `stride` bytes apart, from `offset` on, lie in the view. Sizes
+/// are below 2^53, so that sums do not overflow.
+bool lies_in(const BufferView& view, std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
+             std::uint64_t bytes) {
+  if (count == 0) return true;
+  if (offset > view.byteLength || bytes > view.byteLength - offset) return false;
+  return (view.byteLength - offset - bytes) / stride >= count - 1;
+}
+
+Checked check_dense(const Document& document, const std::string& name, const Accessor& accessor) {
+  if (accessor.bufferView < 0) return {};
+  const std::string view_name = label("buffer view", accessor.bufferView);
+  if (!points_into(document.bufferViews, accessor.bufferView))
+    return malformed(name + ": there is no " + view_name);
+  const BufferView& view = at(document.bufferViews, accessor.bufferView);
+  const std::uint64_t bytes = element_bytes(accessor);
+  if (view.byteStride != 0 && view.byteStride < bytes)
+    return malformed(name + ": the stride of its " + view_name + " (" + std::to_string(view.byteStride) +
+                     ") is less than an element (" + std::to_string(bytes) + ")");
+  if ((view.byteOffset + accessor.byteOffset) % bytes_of(component_of(accessor)) != 0)
+    return malformed(name + " is not aligned to its component type");
+  if (!lies_in(view, accessor.byteOffset, accessor.count, view.byteStride ? view.byteStride : bytes, bytes))
+    return malformed(name + " reads beyond its " + view_name);
+  return {};
+}
+
+Checked check_sparse(const Document& document, const std::string& name, const Accessor& accessor) {
+  const auto& sparse = accessor.sparse;
+  if (!sparse.isSparse) return {};
+  const auto component = static_cast<Component>(sparse.indices.componentType);
+  const auto count = static_cast<std::uint64_t>(sparse.count);
+  if (count == 0 || count > accessor.count)
+    return malformed(name + ": has " + std::to_string(count) + " sparse elements, should have 1 to " +
+                     std::to_string(accessor.count));
+  if (component != Component::UInt8 && component != Component::UInt16 && component != Component::UInt32)
+    return malformed(name + ": sparse indices should be unsigned integers");
+  if (!points_into(document.bufferViews, sparse.indices.bufferView) ||
+      !points_into(document.bufferViews, sparse.values.bufferView))
+    return malformed(name + ": its sparse part names a buffer view that is not there");
+  const auto fits = [&](int view, int offset, std::uint64_t bytes) {
+    return lies_in(at(document.bufferViews, view), static_cast<std::uint64_t>(offset), count, bytes, bytes);
+  };
+  if (!fits(sparse.indices.bufferView, sparse.indices.byteOffset, bytes_of(component)))
+    return malformed(name + ": its sparse indices read beyond their buffer view");
+  if (!fits(sparse.values.bufferView, sparse.values.byteOffset, element_bytes(accessor)))
+    return malformed(name + ": its sparse values read beyond their buffer view");
+  const auto numbers = sparse_indices(document, accessor);
+  const auto unordered = std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<>());
+  if (unordered != numbers.end() || numbers.back() >= accessor.count)
+    return malformed(name + ": its sparse indices should grow and stay below " +
+                     std::to_string(accessor.count));
+  return {};
+}
+
+bool is_finite_element(const std::uint8_t* bytes, std::uint32_t components) {
+  for (std::uint32_t c = 0; c < components; ++c) {
+    float value = 0;
+    std::memcpy(&value, bytes + c * sizeof value, sizeof value);
+    if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+Checked check_finite(const Document& document, const std::string& name, const Accessor& accessor) {
+  if (component_of(accessor) != Component::Float) return {};
+  const std::uint32_t components = shape_of(accessor).rows * shape_of(accessor).columns;
+  const ElementRun run = elements_of(document, accessor);
+  if (run.first)
+    for (std::uint64_t i = 0; i < accessor.count; ++i)
+      if (!is_finite_element(run.first + i * run.stride, components))
+        return malformed(name + ": element " + std::to_string(i) + " is not finite");
+  if (!accessor.sparse.isSparse) return {};
+  const BufferView& view = at(document.bufferViews, accessor.sparse.values.bufferView);
+  const auto* values =
+      at(document.buffers, view.buffer).data.data() + view.byteOffset + accessor.sparse.values.byteOffset;
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(accessor.sparse.count); ++i)
+    if (!is_finite_element(values + i * element_bytes(accessor), components))
+      return malformed(name + ": sparse element " + std::to_string(i) + " is not finite");
+  return {};
+}
+
+}  // namespace
+
+std::uint64_t element_budget(const Document& document) {
+  std::uint64_t bytes = 0;
+  for (const auto& buffer : document.buffers) bytes += buffer.data.size();
+  return std::min((std::uint64_t{1} << 22) + 8 * bytes, std::uint64_t{1} << 30);
+}
+
+Checked validate_accessors(const Document& document) {
+  auto views = check_each(document.bufferViews, [&](std::size_t i, const BufferView& view) {
+    return check_view(document, i, view);
+  });
+  if (!views) return views;
+  std::uint64_t left = element_budget(document);
+  return check_each(document.accessors, [&](std::size_t i, const Accessor& accessor) -> Checked {
+    const std::string name = label("accessor", i);
+    if (accessor.count > left)
+      return fail(Fault::OutOfRange, name + ": " + std::to_string(accessor.count) +
+                                         " elements are more than a file of this size should have");
+    left -= accessor.count;
+    return check_dense(document, name, accessor)
+        .and_then([&] { return check_sparse(document, name, accessor); })
+        .and_then([&] { return check_finite(document, name, accessor); });
+  });
+}
+
+Checked validate(const Document& document, const SceneLimits& limits) {
+  return validate_materials(document)
+      .and_then([&] { return validate_meshes(document); })
+      .and_then([&] { return validate_nodes(document, limits); })
+      .and_then([&] { return validate_deformations(document); })
+      .and_then([&] { return validate_animations(document); })
+      .and_then([&] { return validate_reach(document); });
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,49 @@
+/// Checks a Document, so that the conversion needs no checks. Afterwards every index is in range, every
+/// accessor lies inside its buffer (64-bit arithmetic), every number is finite, the nodes form a forest of
+/// bounded depth with invertible transforms, and the keys of animations can be interpolated.
+#pragma once
+
+#include "stereo/gltf/gltf.h"
+#include "stereo/gltf/gltf_model.h"
+
+namespace farshade::gltf {
+
+/// Returns the first fault, with the name of the object: "mesh 3 'chair', primitive 0: POSITION accessor 17
+/// ...". validate_accessors must have found no fault.
+[[nodiscard]] Checked validate(const Document& document, const SceneLimits& limits);
+
+/// Checks buffer views and accessors: ranges, sparse elements, finite floats, and a limit on the number of
+/// elements (element_budget).
+[[nodiscard]] Checked validate_accessors(const Document& document);
+
+// The parts of validate(), in order: each part relies on the parts before it.
+
+/// Checks meshes with their attributes and vertex indices.
+[[nodiscard]] Checked validate_meshes(const Document& document);
+/// Checks images, textures, materials and lights.
+[[nodiscard]] Checked validate_materials(const Document& document);
+/// Checks nodes, scenes and animations.
+[[nodiscard]] Checked validate_nodes(const Document& document, const SceneLimits& limits);
+/// Checks skins, and the meshes that nodes deform.
+[[nodiscard]] Checked validate_deformations(const Document& document);
+[[nodiscard]] Checked validate_animations(const Document& document);
+/// Refuses node hierarchies whose transforms, animated or not, reach further than double can represent well.
+[[nodiscard]] Checked validate_reach(const Document& document);
+
+/// `roots` and the nodes below them, parents before children. The nodes must be a forest (validate_nodes).
+[[nodiscard]] std::vector<std::uint32_t> parents_first(const Document& document,
+                                                       const std::vector<int>& roots);
+
+/// The limit on the elements of all accessors together, and on the elements that all primitives read:
+/// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.
+[[nodiscard]] std::uint64_t element_budget(const Document& document);
+
+/// Calls `check_item(index, item)` for each item of `list`, up to the first fault.
+template <class List, class Check>
+[[nodiscard]] Checked check_each(const List& list, Check check_item) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (Checked checked = check_item(i, list[i]); !checked) return checked;
+  return {};
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,154 @@
+#include "stereo/messages/envelope.h"
+
+#include <algorithm>
+
+#include "stereo/messages/message_codec.h"
+
+namespace farshade {
+
+namespace codec {
+template <>
+inline constexpr std::uint8_t kTypeOf<Hello> = 1;
+template <>
+inline constexpr std::uint8_t kTypeOf<Retry> = 2;
+template <>
+inline constexpr std::uint8_t kTypeOf<OpenRefusal> = 3;
+template <>
+inline constexpr std::uint8_t kTypeOf<Accept> = 4;
+template <>
+inline constexpr std::uint8_t kTypeOf<NoSession> = 5;
+template <>
+inline constexpr std::uint8_t kTypeOf<Sealed> = 6;
+}  // namespace codec
+
+using codec::Either;
+using codec::kFine;
+using codec::Verdict;
+
+bool fields(auto& io, Either<SessionId> auto& session) {
+  return io.u64(session.value);
+}
+
+bool fields(auto& io, Either<Hello> auto& hello) {
+  return io.array(hello.client) && io.array(hello.key) && io.array(hello.scene_hash) &&
+         io.array(hello.cookie) && io.array(hello.proof);
+}
+
+bool fields(auto& io, Either<Retry> auto& retry) {
+  return io.array(retry.echo) && io.array(retry.cookie);
+}
+
+bool fields(auto& io, Either<OpenRefusal> auto& refusal) {
+  return io.code(refusal.reason) && io.array(refusal.echo);
+}
+
+bool fields(auto& io, Either<Accept> auto& accept) {
+  return io.array(accept.echo) && fields(io, accept.session) && io.array(accept.server) &&
+         io.rest(accept.sealed);
+}
+
+bool fields(auto& io, Either<NoSession> auto& no_session) {
+  return fields(io, no_session.session);
+}
+
+constexpr unsigned kCounterBits = 48;
+
+bool fields(ByteWriter& io, const Sealed& sealed) {
+  return fields(io, sealed.session) && io.u64(std::uint64_t{sealed.epoch} << kCounterBits | sealed.counter) &&
+         io.rest(sealed.sealed);
+}
+bool fields(ByteReader& io, Sealed& sealed) {
+  std::uint64_t both = 0;
+  if (!fields(io, sealed.session) || !io.u64(both)) return false;
+  sealed.epoch = static_cast<std::uint16_t>(both >> kCounterBits);
+  sealed.counter = both & ((std::uint64_t{1} << kCounterBits) - 1);
+  return io.rest(sealed.sealed);
+}
+
+Verdict verdict(const Retry&) {
+  return kFine;
+}
+Verdict verdict(const OpenRefusal& refusal) {
+  const bool open =
+      refusal.reason == RefusalReason::VersionMismatch || refusal.reason == RefusalReason::UnknownKey;
+  return open ? kFine : WireRefusal::Code;
+}
+Verdict verdict(const Accept& accept) {
+  return accept.sealed.size() >= kTag_bytes ? kFine : WireRefusal::Truncated;
+}
+Verdict verdict(const NoSession&) {
+  return kFine;
+}
+Verdict verdict(const Sealed& sealed) {
+  return sealed.sealed.size() >= kTag_bytes ? kFine : WireRefusal::Truncated;
+}
+
+namespace {
+
+Decoded<codec::Header> read_header(ByteReader& io, std::size_t most_bytes) {
+  codec::Header header;
+  if (io.remaining() > most_bytes) return refuse(WireRefusal::TooLong);
+  if (!fields(io, header)) return refuse(WireRefusal::Truncated);
+  if (header.magic != codec::kMagic) return refuse(WireRefusal::Magic);
+  return header;
+}
+
+/// Cheapest checks first, so that a flood of Hellos is cheap.
+Decoded<ClientEnvelope> read_hello(ByteReader io, std::uint16_t version) {
+  if (io.remaining() + 7 != kBaseDatagram_bytes) return refuse(WireRefusal::Padding);
+  if (version != kProtocolVersion) {
+    ForeignHello foreign{.version = version};
+    io.array(foreign.echo);
+    return foreign;
+  }
+  Hello hello;
+  fields(io, hello);
+  std::span<const std::byte> padding;
+  io.rest(padding);
+  if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
+    return refuse(WireRefusal::Padding);
+  return hello;
+}
+
+}  // namespace
+
+void encode(const Envelope& any, std::vector<std::byte>& datagram) {
+  datagram.clear();
+  ByteWriter io(datagram);
+  std::visit(
+      [&]<class Kind>(const Kind& envelope) {
+        codec::Header header{.version = kProtocolVersion, .type = codec::kTypeOf<Kind>};
+        if constexpr (std::is_same_v<Kind, OpenRefusal>) header.version = envelope.version;
+        fields(io, std::as_const(header));
+        fields(io, envelope);
+      },
+      any);
+  check(datagram.size() <= kMaxDatagram_bytes, "an envelope fits into a datagram");
+  if (std::holds_alternative<Hello>(any)) datagram.resize(kBaseDatagram_bytes);
+}
+
+Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram) {
+  ByteReader io(datagram);
+  const Decoded<codec::Header> header = read_header(io, kBaseDatagram_bytes);
+  if (!header) return refuse(header.error());
+  if (header->type == codec::kTypeOf<Hello>) return read_hello(io, header->version);
+  if (header->version != kProtocolVersion) return refuse(WireRefusal::Version);
+  if (header->type != codec::kTypeOf<Sealed>) return refuse(WireRefusal::Type);
+  const Decoded<Sealed> sealed = codec::read<Sealed>(io);
+  if (!sealed) return refuse(sealed.error());
+  return *sealed;
+}
+
+Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram) {
+  ByteReader io(datagram);
+  const Decoded<codec::Header> header = read_header(io, kMaxDatagram_bytes);
+  if (!header) return refuse(header.error());
+  if (header->version != kProtocolVersion && header->type != codec::kTypeOf<OpenRefusal>)
+    return refuse(WireRefusal::Version);
+  Decoded<ServerEnvelope> envelope = codec::read_any(std::type_identity<ServerEnvelope>{}, header->type, io);
+  if (envelope)
+    if (auto* refusal = std::get_if<OpenRefusal>(&*envelope)) refusal->version = header->version;
+  return envelope;
+}
+
+}  // namespace farshade

@@ -1,0 +1,49 @@
+/// HiddenPass: keeps a scene pass out of what the lens hides (stereo/frame/hidden_area.h). Before the scene
+/// it gives the hidden pixels the nearest depth, so that every surface fails the depth test there; afterwards
+/// the depth of no surface. So hidden pixels are like those of the sky for everything that follows. It writes
+/// no colours.
+#pragma once
+
+#include "stereo/frame/hidden_area.h"
+#include "stereo/gpu/memory.h"
+#include "stereo/raster/scene_pipeline.h"
+
+namespace farshade {
+
+class HiddenPass {
+ public:
+  /// For scene passes with these outputs. Keeps the references.
+  HiddenPass(const gpu::Device& device, const DrawPlan& plan, Outputs outputs)
+      : device_(device), plan_(plan), outputs_(outputs) {}
+
+  /// Null, or no triangles: `record` does nothing, and no pipeline is created.
+  void prepare(const PerEye<HiddenArea>* hidden, const StereoView& views);
+
+  enum class As : std::uint8_t { NoSurface, Nearest };
+  /// Within the rendering of the scene pass, with its viewport and scissor.
+  void record(const vk::raii::CommandBuffer& commands, As as) const;
+
+  [[nodiscard]] std::size_t pipelines() const { return *pipeline_ ? 1 : 0; }
+
+ private:
+  void need_pipeline();
+  void load(const PerEye<HiddenArea>& hidden);
+
+  /// As in hidden.vert.
+  struct Drawn {
+    glm::vec2 scale{}, offset{};
+    float depth = 0;
+  };
+
+  const gpu::Device& device_;
+  const DrawPlan& plan_;
+  Outputs outputs_;
+  vk::raii::PipelineLayout layout_{nullptr};
+  vk::raii::Pipeline pipeline_{nullptr};
+  gpu::Buffer corners_;  ///< of both eyes, the left one's first
+  // Of what was prepared last.
+  PerEye<Drawn> drawn_;
+  PerEye<std::uint32_t> counts_{};  ///< of corners
+};
+
+}  // namespace farshade

@@ -1,0 +1,57 @@
+/// RequestReprojectionPass: reprojects a mask to the views of a request before it is sent, and finds the
+/// blocks that the request must ask for (request_reprojection.comp, docs/partial-requests.md).
+#pragma once
+
+#include <compare>
+
+#include "stereo/frame/shadow_frame.h"
+#include "stereo/gpu/memory.h"
+#include "stereo/gpu/pass.h"
+#include "stereo/plan/scene_plan.h"
+#include "stereo/raster/depth_ring.h"
+#include "stereo/reproject/motion.h"
+#include "stereo/reproject/reprojection.h"
+
+namespace farshade {
+
+class RequestReprojectionPass {
+ public:
+  /// Requested views have at most `traced_size` pixels. Keeps the references.
+  RequestReprojectionPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring,
+                          Extent traced_size);
+
+  /// Prepares to reproject `base` to the views of `request`, whose depth will lie at `place`. The ring has
+  /// the depth of the base. `lights` are those of the request, `since` is what has moved since the base was
+  /// traced.
+  void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
+               const LightSet& lights, const Motion& since);
+
+  /// Creates the pipeline. The result runs it for masks of no pixels.
+  [[nodiscard]] gpu::Recording warm_up();
+
+  void record(const vk::raii::CommandBuffer& commands);
+
+  /// Reads the result of the last `record`. Call after the device has finished. Reuses the memory of `into`.
+  void read(RequestReprojection& into) const;
+
+  [[nodiscard]] std::size_t pipelines() const { return *pipeline_ ? 1 : 0; }
+  [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
+
+ private:
+  const vk::raii::Pipeline& need_pipeline();
+
+  const gpu::Device& device_;
+  const DrawPlan& plan_;
+  const DepthRing& ring_;
+  gpu::Buffer frame_buffer_, light_buffer_;
+  std::size_t quad_bytes_;             ///< of one eye
+  gpu::Buffer quads_;                  ///< of the base
+  gpu::Buffer reprojected_, unknown_;  ///< what request_reprojection.comp writes
+  vk::raii::Sampler nearest_{nullptr};
+  gpu::Bindings bindings_;
+  vk::raii::PipelineLayout layout_{nullptr};
+  vk::raii::Pipeline pipeline_{nullptr};
+  Extent size_;  ///< of the pass that was prepared last
+};
+
+}  // namespace farshade

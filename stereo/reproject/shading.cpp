@@ -1,0 +1,343 @@
+#include "stereo/reproject/shading.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "stereo/frame/edge_sharpness.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/reproject/shading_motion.h"
+#include "stereo/reproject/shown_eye.h"
+
+namespace farshade {
+namespace {
+
+using Layout = vk::ImageLayout;
+
+static_assert(kMaxMasks * kEyes == FARSHADE_FIRST_FACE && kCubeMaskPairs == FARSHADE_MAX_CUBE_MASK_PAIRS &&
+              kFirstFace + kCubeMaskPairs * kEyes == FARSHADE_MAX_SOURCES &&
+              kMaxMasks + kCubeMaskPairs == FARSHADE_MAX_TRACED && kMostSpheres == FARSHADE_MAX_MOVED);
+
+/// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
+constexpr double kMeaninglessTurn_rad = 0.25;
+
+constexpr gpu::BindingKind kStorage{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute};
+
+/// Set 0 of shade.comp. It has the last bindings only if masks are reprojected, and if instances can move.
+std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
+  using Type = vk::DescriptorType;
+  const auto compute = vk::ShaderStageFlagBits::eCompute;
+  const gpu::BindingKind uniform{Type::eUniformBuffer, compute},
+      texture{Type::eCombinedImageSampler, compute};
+  std::vector<gpu::BindingKind> kinds{uniform, uniform, kStorage, kStorage,
+                                      texture, texture, texture,  {Type::eStorageImage, compute}};
+  if (bytes.lists > 0) kinds.insert(kinds.end(), {kStorage, texture});
+  if (bytes.motions > 0) kinds.insert(kinds.end(), 2, kStorage);
+  return kinds;
+}
+
+std::vector<const TracedMask*> taken(std::span<const DatedMask> masks) {
+  std::vector<const TracedMask*> result;
+  for (const DatedMask& dated : masks) result.push_back(&dated.mask);
+  return result;
+}
+
+std::vector<const Motion*> motions(std::span<const DatedMask> masks) {
+  std::vector<const Motion*> result;
+  for (const DatedMask& dated : masks) result.push_back(&dated.motion);
+  return result;
+}
+
+using At = vk::PipelineStageFlagBits2;
+using Access = vk::AccessFlagBits2;
+
+void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 from, vk::AccessFlags2 written,
+             vk::PipelineStageFlags2 to, vk::AccessFlags2 read) {
+  const vk::MemoryBarrier2 memory{
+      .srcStageMask = from, .srcAccessMask = written, .dstStageMask = to, .dstAccessMask = read};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
+}
+
+}  // namespace
+
+ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
+                         const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
+                         const MotionModel& motion, const ShadingBytes& bytes, Extent size)
+    : device_(device),
+      plan_(plan),
+      depths_(depths),
+      device_masks_(device_masks),
+      frame_buffer_(frame),
+      size_(size),
+      bytes_(bytes),
+      motion_count_(motion.slot_count()),
+      pipelines_(device, plan, motion.slot_count() > 0) {
+  make_buffers(motion);
+  make_sets(gbuffer);
+  if (!plan.builds_late) make_all_pipelines();
+}
+
+void ShadingPass::make_buffers(const MotionModel& motion) {
+  const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
+  const auto mapped = [&](std::size_t bytes, const char* name, gpu::Use use) {
+    return gpu::make_mapped_buffer(device_, bytes, storage, name, use);
+  };
+  light_buffer_ = gpu::make_mapped_buffer(device_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
+                                          "lights", gpu::Use::Frame);
+  if (bytes_.motions > 0) {
+    motion_slots_ = mapped(bytes_.slots, "motion slots", gpu::Use::Motion);
+    std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
+    motion_buffer_ = mapped(bytes_.motions, "motions", gpu::Use::Motion);
+  }
+  if (bytes_.lists > 0)
+    hard_buffer_ = gpu::make_device_buffer(
+        device_, bytes_.lists,
+        storage | vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eIndirectBuffer,
+        "hard pixels", gpu::Use::Lists);
+  shown_ = gpu::make_image(device_,
+                           {.size = size_,
+                            .layers = kEyes,
+                            .format = vk::Format::eR8G8B8A8Unorm,
+                            .usage = vk::ImageUsageFlagBits::eStorage | vk::ImageUsageFlagBits::eTransferSrc |
+                                     vk::ImageUsageFlagBits::eSampled,
+                            .use = gpu::Use::Shown},
+                           "shown");
+  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
+  });
+}
+
+void ShadingPass::make_sets(const GBufferPass& gbuffer) {
+  nearest_ = device_.logical.createSampler({});
+  bindings_ = gpu::make_bindings(device_, shading_set(bytes_), "shading");
+  std::uint32_t binding = 0;
+  gpu::bind_buffer(device_, bindings_, binding++, frame_buffer_);
+  for (const gpu::Buffer* buffer :
+       {&std::as_const(light_buffer_), &device_masks_.words(), &device_masks_.known_blocks()})
+    gpu::bind_buffer(device_, bindings_, binding++, *buffer);
+  for (const gpu::Image* image : {&depths_.views.image(), &gbuffer.base_colors(), &gbuffer.surfaces()})
+    gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
+  gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
+  if (hard_buffer_.bytes > 0) {
+    gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
+    const DepthRing& faces =
+        depths_.faces ? *depths_.faces : depths_.views;  // without a cube mask it is not read
+    gpu::bind_image(device_, bindings_, binding++,
+                    {*faces.image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
+  }
+  for (const gpu::Buffer* buffer : {&motion_slots_, &motion_buffer_})
+    if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);
+  check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
+}
+
+/// Writes the sources of each shown eye: the masks traced for it and, if used, those for the other eye.
+void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMask> masks,
+                                gpu::FrameData& frame) {
+  frame.counts.x = narrow<std::uint32_t>(masks.size());
+  const std::vector<DeviceMasks::Held> held = device_masks_.hold(DeviceMasks::Kind::Views, taken(masks));
+  for (std::size_t m = 0; m < masks.size(); ++m) {
+    const TracedMask& mask = masks[m].mask;
+    whole_ &= held[m].whole;
+    const std::size_t layer = depths_.views.has(mask.frame) ? depths_.views.layer_of(mask.frame) : 0;
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for (std::size_t traced = 0; traced < kEyes; ++traced) {
+        if (traced != eye && !other_eye_) continue;
+        const std::size_t i = m + (traced == eye ? 0 : kMaxMasks);
+        gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + i];
+        source = source_data(pose_delta(views[eye], {}, mask.views[traced], {}), mask.views[traced]);
+        source.place = device_masks_.place(held[m], traced, layer);
+      }
+  }
+}
+
+/// Writes the faces of the cube mask, which are sources of both eyes.
+void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask> cube_mask,
+                              gpu::FrameData& frame) {
+  frame.counts.w = narrow<std::uint32_t>(cube_mask.size() * kEyes);
+  const std::vector<DeviceMasks::Held> held =
+      device_masks_.hold(DeviceMasks::Kind::CubeMask, taken(cube_mask));
+  for (std::size_t m = 0; m < cube_mask.size(); ++m) {
+    const TracedMask& mask = cube_mask[m].mask;
+    whole_ &= held[m].whole;
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for (std::size_t face = 0; face < kEyes; ++face) {
+        gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + kFirstFace + m * kEyes + face];
+        source = source_data(pose_delta(views[eye], {}, mask.views[face], {}), mask.views[face]);
+        source.place = device_masks_.place(held[m], face, depths_.faces->layer_of(mask.frame));
+      }
+  }
+}
+
+void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame) {
+  const std::vector<const Motion*> of_views = motions(masks.views), of_faces = motions(masks.cube_mask);
+  const MaskMotions since{of_views, of_faces};
+  // Where instances can move, one pipeline serves all frames, because compiling another takes long.
+  moved_ = write_stale(views, since, frame) || motion_count_ > 0;
+  if (!plan_.builds_late) assume_nothing();
+  if (!moved_) return;
+  for (std::size_t slot = 0; slot < motion_count_; ++slot)
+    write_motions(views, since, slot, motion_buffer_.as<glm::mat4>());
+}
+
+void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+                          const MasksInUse& in_use, const Reprojection& reprojection) {
+  const std::span<const DatedMask> masks = in_use.views;
+  check(masks.size() <= most_masks(plan_) && in_use.cube_mask.size() <= most_cube_mask_pairs(plan_),
+        "no more masks than the device holds");
+  check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
+  reprojection_ = reprojection;
+  if (!reprojects_masks(plan_)) reprojection_.lookup = Lookup::Direct;
+  other_eye_ = plan_.other_eye && reprojection.eyes == Eyes::Both &&
+               (!plan_.builds_late || (!masks.empty() && masks[0].mask.views[0] != masks[0].mask.views[1]));
+  gpu::FrameData frame{};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
+  whole_ = true;
+  write_sources(views, masks, frame);
+  write_faces(views, in_use.cube_mask, frame);
+  masks_ = masks.size();
+  faces_ = in_use.cube_mask.size() * kEyes;
+  write_motion(views, in_use, frame);
+  frame.counts.y = shown_layer;
+  if (!masks.empty()) {
+    const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
+    frame.counts.z = delta.angle_rad < kMeaninglessTurn_rad;
+    frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
+  }
+  maps_ = nullptr;
+  write_frame(views, lights, frame);
+}
+
+void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
+  gpu::FrameData& written = frame_buffer_.as<gpu::FrameData>()[0];
+  written = frame;
+  written.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
+  for (std::size_t i = 0; i < lights.lights.size(); ++i) {
+    light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i], lights.exposure);
+    off_[i] = !lights.lights[i].on;
+  }
+}
+
+/// Pipelines that are created before the first frame must be right for any frame.
+void ShadingPass::assume_nothing() {
+  whole_ = false;
+  moved_ = true;
+}
+
+/// Creates the pipelines of the default Reprojection.
+void ShadingPass::make_all_pipelines() {
+  assume_nothing();
+  other_eye_ = plan_.other_eye;
+  const std::uint32_t last = reprojects_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
+  for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
+}
+
+std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojection, PixelReport report,
+                                                  Changes changes) {
+  if (report == PixelReport::On) make_report_buffer();
+  reprojection_ = reprojection;
+  other_eye_ = plan_.other_eye && reprojection.eyes == Eyes::Both;
+  const std::uint32_t last = !reprojects_masks(plan_)                            ? FARSHADE_PASS_DIRECT
+                             : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
+                                                                                 : FARSHADE_PASS_HARD;
+  std::set<ShadingKey> keys;
+  for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
+    if (moved ? changes == Changes::Never : motion_count_ > 0) continue;
+    whole_ = whole;
+    moved_ = moved;
+    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) keys.insert(key_of(pass, report));
+  }
+  pipelines_.need_all(keys, need_layout(report));
+  std::vector<gpu::Recording> warm_ups;
+  for (const ShadingKey& key : keys)
+    warm_ups.emplace_back([this, key, report](const vk::raii::CommandBuffer& commands) {
+      bind_sets(commands, report);
+      if (bytes_.lists > 0) empty_lists(commands);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines_.need(key, need_layout(report)));
+      push_shown_eye(commands, need_layout(report), 0);
+      commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
+    });
+  return warm_ups;
+}
+
+const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {
+  return pipelines_.need(key_of(pass, report), need_layout(report));
+}
+
+/// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
+/// Where something has moved, one pipeline serves whole masks and others.
+ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
+  const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
+  return {.pass = pass,
+          .reports = report == PixelReport::On,
+          .other_eye = second_look && other_eye_,
+          .neighbours = !second_look || reprojection_.gaps == Gaps::Neighbours,
+          .filters_edges = direct || reprojection_.edges != Edges::Nearest,
+          .whole = whole_ && !direct && !moved_,
+          .moved = moved_ && !direct,
+          .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
+          .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0,
+          .sharpness = maps_ != nullptr                         ? maps_->settings().sharpness
+                       : reprojection_.edges == Edges::Coverage ? 0.0f
+                                                                : kEdgeSharpness};
+}
+
+/// Created when a report is first requested, because the report is large.
+void ShadingPass::make_report_buffer() {
+  if (report_buffer_.bytes > 0) return;
+  report_buffer_ = gpu::make_readback_buffer(device_, bytes_.report, "report", gpu::Use::Report);
+  report_bindings_ = gpu::make_bindings(device_, {kStorage}, "report");
+  gpu::bind_buffer(device_, report_bindings_, 0, report_buffer_);
+}
+
+void ShadingPass::bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report) {
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report));
+}
+
+void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report) {
+  bind(commands, pass, report);
+  for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+    push_shown_eye(commands, need_layout(report), eye);
+    commands.dispatch((size_.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size_.height, 1);
+  }
+}
+
+void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass,
+                               PixelReport report) {
+  bind(commands, pass, report);
+  for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+    push_shown_eye(commands, need_layout(report), eye);
+    const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
+    commands.dispatchIndirect(*hard_buffer_.buffer, list * sizeof(glm::uvec4));
+  }
+}
+
+void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
+  std::array<glm::uvec4, 2 * kEyes> empty;
+  empty.fill({0, 1, 1, 0});
+  commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty);
+  barrier(commands, At::eTransfer, Access::eTransferWrite, At::eComputeShader,
+          Access::eShaderRead | Access::eShaderWrite);
+}
+
+void ShadingPass::shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report) {
+  empty_lists(commands);
+  shade_all(commands, FARSHADE_PASS_EASY, report);
+  barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eDrawIndirect,
+          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
+  shade_listed(commands, FARSHADE_PASS_HARD, report);
+  if (moved_ && motion_count_ > 0) shade_listed(commands, FARSHADE_PASS_MOVING, report);
+}
+
+void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport report) {
+  if (report == PixelReport::On) make_report_buffer();
+  bind_sets(commands, report);
+  gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
+  if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
+    shade_all(commands, FARSHADE_PASS_DIRECT, report);
+  } else {
+    shade_reprojected(commands, report);
+  }
+  barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eHost | At::eTransfer,
+          Access::eHostRead | Access::eTransferRead);
+}
+
+}  // namespace farshade

@@ -1,0 +1,118 @@
+/// ShadingPass: reprojects masks to the shown views and shades the picture (shade.comp). If requested, it
+/// writes the report of what each pixel was shaded with.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/raster/gbuffer.h"
+#include "stereo/reproject/device_masks.h"
+#include "stereo/reproject/motion.h"
+#include "stereo/reproject/reprojection.h"
+#include "stereo/reproject/shading_pipelines.h"
+#include "stereo/shadow_maps/shadow_maps.h"
+
+namespace farshade {
+
+/// A mask and what has moved since it was traced.
+struct DatedMask {
+  const TracedMask& mask;
+  Motion motion;
+};
+
+/// The masks that a picture is shaded with.
+struct MasksInUse {
+  std::vector<DatedMask> views;      ///< newest first, at most most_masks(plan)
+  std::vector<DatedMask> cube_mask;  ///< at most most_cube_mask_pairs(plan)
+};
+
+/// The depth of the views that masks were requested for.
+struct MaskDepths {
+  const DepthRing& views;
+  const DepthRing* faces = nullptr;  ///< of the cube mask; null if the plan has none
+};
+
+class ShadingPass {
+ public:
+  /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
+  /// that `prepare` fills. Keeps the references except `motion`.
+  ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
+              const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
+              const MotionModel& motion, const ShadingBytes& bytes, Extent size);
+
+  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's
+  /// shown depth is in layer `shown_layer`. If the plan does not reproject masks, the lookup is Direct.
+  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+               const MasksInUse& masks, const Reprojection& reprojection);
+
+  /// The same with shadows from `maps`, which must exist until `record` and be readable by shaders there.
+  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+               const ShadowMaps& maps);
+
+  /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of
+  /// them, because some drivers compile at the first dispatch. The FrameData has pictures of no pixels.
+  [[nodiscard]] std::vector<gpu::Recording> warm_ups(const Reprojection& reprojection, PixelReport report,
+                                                     Changes changes);
+
+  void record(const vk::raii::CommandBuffer& commands, PixelReport report);
+
+  /// The shaded picture: both eyes, sRGB with alpha 255; in layout General after `record`.
+  [[nodiscard]] const gpu::Image& shown() const { return shown_; }
+  /// The report of the pixels of `part`, of the last `record` with PixelReport::On. Call after the device has
+  /// finished.
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const;
+
+  [[nodiscard]] std::size_t pipelines() const { return pipelines_.count(); }
+  [[nodiscard]] std::size_t bindings() const;
+  [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1) + faces_; }
+
+ private:
+  [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report) const;
+  const vk::raii::Pipeline& need_pipeline(std::uint32_t pass, PixelReport report);
+  void make_all_pipelines();
+  void assume_nothing();
+  void make_buffers(const MotionModel& motion);
+  void make_sets(const GBufferPass& gbuffer);
+  void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
+  void write_faces(const StereoView& views, std::span<const DatedMask> cube_mask, gpu::FrameData& frame);
+  void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
+  void write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame);
+  void make_report_buffer();
+  const vk::raii::PipelineLayout& need_layout(PixelReport report);
+  [[nodiscard]] std::vector<const gpu::Bindings*> sets(PixelReport report) const;
+  void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void empty_lists(const vk::raii::CommandBuffer& commands) const;
+  void shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
+  void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
+  void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
+
+  const gpu::Device& device_;
+  const DrawPlan& plan_;
+  const MaskDepths depths_;
+  DeviceMasks& device_masks_;
+  const gpu::Buffer& frame_buffer_;
+  Extent size_;
+  ShadingBytes bytes_;
+  gpu::Buffer light_buffer_, report_buffer_;
+  gpu::Buffer motion_slots_, motion_buffer_, hard_buffer_;
+  std::size_t motion_count_;  ///< of instances that can move
+  gpu::Image shown_;
+  vk::raii::Sampler nearest_{nullptr};
+  gpu::Bindings bindings_;
+  gpu::Bindings report_bindings_;  ///< the last set; empty until a report is requested
+  std::map<std::size_t, vk::raii::PipelineLayout> layouts_;  ///< by the sets that they contain
+  ShadingPipelines pipelines_;
+  // State of the frame that was prepared last.
+  const ShadowMaps* maps_ = nullptr;  ///< null: visibilities come from masks
+  Reprojection reprojection_;
+  bool other_eye_ = false;  ///< masks traced for the other eye are sources
+  std::size_t masks_ = 0, faces_ = 0;
+  std::bitset<kMaxLights> off_;  ///< lights that are off
+  bool whole_ = false;           ///< every block of every mask is known
+  bool moved_ = false;           ///< something may have moved since a mask in use was traced
+};
+
+}  // namespace farshade

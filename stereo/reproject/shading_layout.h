@@ -1,0 +1,67 @@
+/// The sizes and layouts of the buffers of ShadingPass. Pure; the pass and the prediction of its memory use
+/// the same figures.
+#pragma once
+
+#include "shaders/shade_data.h"
+#include "shaders/shared.h"
+#include "stereo/frame/cube_mask.h"
+#include "stereo/frame/requested_blocks.h"
+#include "stereo/plan/plan_masks.h"
+#include "stereo/plan/scene_plan.h"
+#include "stereo/reproject/mask_edges.h"
+
+namespace farshade {
+
+/// `plan`; if masks are not reprojected, without the features that only serve to reproject them.
+[[nodiscard]] DrawPlan settled(DrawPlan plan);
+
+/// The layout of a mask on the device: with edge bits, if masks are reprojected.
+[[nodiscard]] constexpr MaskLayout device_mask(const DrawPlan& plan) {
+  return reprojects_masks(plan) ? with_edge_bits(plan.mask) : plan.mask;
+}
+
+/// The number of masks that the device holds.
+[[nodiscard]] constexpr std::size_t most_masks(const DrawPlan& plan) {
+  return plan.mask.lights == 0 ? 0 : reprojects_masks(plan) ? FARSHADE_MAX_MASKS : 1;
+}
+
+/// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.
+struct MaskBytes {
+  std::size_t words = 0, known = 0;
+};
+
+/// Bytes of the pass's buffers.
+struct ShadingBytes {
+  std::size_t lights = 0;
+  MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the cube mask
+  std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
+  std::size_t lists = 0;               ///< 0 if masks are not reprojected
+  std::size_t report = 0;              ///< allocated when a report is first requested
+
+  /// The words of all masks that the device holds, and their known blocks.
+  [[nodiscard]] std::size_t all_words(const DrawPlan& plan) const {
+    return kEyes * (most_masks(plan) * mask.words + most_cube_mask_pairs(plan) * face.words);
+  }
+  [[nodiscard]] std::size_t all_known(const DrawPlan& plan) const {
+    return kEyes * (most_masks(plan) * mask.known + most_cube_mask_pairs(plan) * face.known);
+  }
+};
+
+/// Bytes of the buffers of RequestReprojectionPass: 0 if masks are not reprojected.
+struct RequestReprojectionBytes {
+  std::size_t quads = 0;        ///< of one eye (mask_quads.h); a multiple of 4
+  std::size_t reprojected = 0;  ///< of both eyes: planes of rows of whole blocks
+  std::size_t unknown = 0;      ///< a word for each block of both eyes
+};
+[[nodiscard]] RequestReprojectionBytes request_reprojection_bytes(const DrawPlan& plan, Extent traced_size);
+
+/// The number of blocks of a picture along its sides.
+[[nodiscard]] constexpr Extent blocks_of(Extent size) {
+  return {(size.width + kBlockSide_px - 1) / kBlockSide_px,
+          (size.height + kBlockSide_px - 1) / kBlockSide_px};
+}
+
+/// For shown eyes of `size` and masks of at most `traced_size` pixels.
+[[nodiscard]] ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size);
+
+}  // namespace farshade

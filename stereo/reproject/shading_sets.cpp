@@ -1,0 +1,56 @@
+
+#include "stereo/reproject/shading.h"
+#include "stereo/reproject/shown_eye.h"
+
+namespace farshade {
+
+/// Set 0, then the set of the shadow maps if they are used, then the set of the report if one is requested.
+std::vector<const gpu::Bindings*> ShadingPass::sets(PixelReport report) const {
+  std::vector<const gpu::Bindings*> result{&bindings_};
+  if (maps_ != nullptr) result.push_back(&maps_->bindings());
+  if (report == PixelReport::On) result.push_back(&report_bindings_);
+  return result;
+}
+
+const vk::raii::PipelineLayout& ShadingPass::need_layout(PixelReport report) {
+  const std::size_t kind = (maps_ != nullptr ? 2u : 0u) + (report == PixelReport::On ? 1u : 0u);
+  auto found = layouts_.find(kind);
+  if (found == layouts_.end()) {
+    std::vector<vk::DescriptorSetLayout> layouts;
+    for (const gpu::Bindings* set : sets(report)) layouts.push_back(*set->layout);
+    found = layouts_
+                .emplace(kind, device_.logical.createPipelineLayout(
+                                   {.setLayoutCount = narrow<std::uint32_t>(layouts.size()),
+                                    .pSetLayouts = layouts.data(),
+                                    .pushConstantRangeCount = 1,
+                                    .pPushConstantRanges = &kShownEye}))
+                .first;
+  }
+  return found->second;
+}
+
+void ShadingPass::bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report) {
+  std::vector<vk::DescriptorSet> bound;
+  for (const gpu::Bindings* set : sets(report)) bound.push_back(*set->set);
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *need_layout(report), 0, bound, {});
+}
+
+std::size_t ShadingPass::bindings() const {
+  return bindings_.kinds.size() + report_bindings_.kinds.size();
+}
+
+void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+                          const ShadowMaps& maps) {
+  check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
+  maps_ = &maps;
+  masks_ = faces_ = 0;
+  reprojection_ = {.lookup = Lookup::Direct};
+  other_eye_ = moved_ = false;
+  whole_ = true;
+  gpu::FrameData frame{};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
+  frame.counts.y = shown_layer;
+  write_frame(views, lights, frame);
+}
+
+}  // namespace farshade
