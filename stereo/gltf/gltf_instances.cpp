@@ -127,10 +127,12 @@ Checked expand_instances(Document& document) {
     const std::string name = label("node", i, node.name);
     const auto count = check_instances(document, name, *instancing);
     if (!count) return tl::unexpected(count.error());
-    if (*count > left)
+    // What each instance has besides its place: its name, the weights, and channels that move them.
+    const std::uint64_t each = 1 + node.name.size() / 64 + node.weights.size() / 16 + channels.count(i);
+    if (*count > left / each)
       return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
                                          " instances are more than a file of this size should have");
-    left -= *count;
+    left -= *count * each;
     const std::size_t first = document.nodes.size();
     std::vector<Node> made = instances_of(document, node, *instancing, *count);
     for (Node& instance : made) {

@@ -9,9 +9,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uint64_t kMaxIndex = (std::uint64_t{1} << 31) - 1;  // an int holds it
-constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;   // a double holds it exactly
-constexpr double kMaxNumber = 1e30;                                // a float holds it, a double its products
+constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;  // a double holds it exactly
+constexpr double kMaxNumber = 1e30;                               // a float holds it, a double its products
 
 bool is_whole(const json& value, std::uint64_t least, std::uint64_t most) {
   return value.is_number_unsigned() && value.get<std::uint64_t>() >= least &&
@@ -256,7 +255,7 @@ Checked check_object(const json& object, std::span<const Member> members, const 
 /// floating-point numbers.
 void make_fractions(const Type& type, json& value) {
   if (&type == &kNumber || &type == &kNotNegative || &type == &kPositive) value = value.get<double>();
-  if (value.is_array() && type.fits != kIndices.fits)
+  if (value.is_array() && &type != &kIndices)
     for (json& element : value)
       if (element.is_number()) element = element.get<double>();
 }
@@ -269,6 +268,10 @@ void remove_others(json& object, std::span<const Member> members) {
       continue;
     }
     make_fractions(*known->type, *item);
+    // tinygltf ends names at a zero byte, so "POSITION\0" would be POSITION.
+    if (known->type == &kIndexMap)
+      for (auto entry = item->begin(); entry != item->end();)
+        entry = entry.key().find('\0') == std::string::npos ? std::next(entry) : item->erase(entry);
     if (known->type == &kObject) remove_others(*item, known->inner);
     if (known->type == &kObjects)
       for (json& element : *item) remove_others(element, known->inner);

@@ -36,6 +36,7 @@ using Checked = Expected<void>;
 using Bytes = std::vector<std::uint8_t>;
 
 /// An index that may be absent. tinygltf writes -1 then.
+inline constexpr std::uint32_t kMaxIndex = (std::uint32_t{1} << 31) - 1;  ///< an int holds it
 using Index = std::optional<std::uint32_t>;
 [[nodiscard]] inline Index index_of(int index) {
   return index < 0 ? Index{} : Index{static_cast<std::uint32_t>(index)};

@@ -23,7 +23,7 @@ std::optional<Pointed> pointed(std::string_view pointer, std::string_view list,
   Pointed result{0, std::string(pointer.substr(slash + 1))};
   const char* const end = pointer.data() + slash;
   const auto read = std::from_chars(pointer.data(), end, result.index);
-  if (read.ec != std::errc{} || read.ptr != end || !index_of(static_cast<int>(result.index)) ||
+  if (read.ec != std::errc{} || read.ptr != end ||
       std::ranges::find(properties, result.property) == properties.end())
     return std::nullopt;
   return result;
@@ -41,10 +41,10 @@ void resolve_pointers(Document& document) {
   for (Animation& animation : document.animations) {
     auto& lights = document.light_channels.emplace_back();
     std::erase_if(animation.channels, [&](AnimationChannel& channel) {
-      if (channel.target_path != "pointer") return false;
+      if (channel.target_path != "pointer") return channel.target_node < 0;
       const std::string pointer = pointer_of(channel);
       if (const auto node = pointed(pointer, "/nodes/", kNodePaths)) {
-        channel.target_node = static_cast<int>(node->index);
+        channel.target_node = static_cast<int>(std::min(node->index, kMaxIndex));
         channel.target_path = node->property;
         return false;
       }

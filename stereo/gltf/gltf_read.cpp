@@ -51,10 +51,46 @@ Checked check_version(const json& asset) {
 }
 
 /// The objects of a list; none if it is absent.
-json::array_t& list_of(json& of, const std::string& name) {
-  static json::array_t none;
+std::span<json> list_of(json& of, const std::string& name) {
   const auto found = of.find(name);
-  return found == of.end() ? none : found->get_ref<json::array_t&>();
+  return found == of.end() ? std::span<json>() : std::span<json>(found->get_ref<json::array_t&>());
+}
+
+/// Takes a list away.
+json::array_t taken(json& of, const std::string& name) {
+  const auto found = of.find(name);
+  return found == of.end() ? json::array_t{} : std::move(found->get_ref<json::array_t&>());
+}
+
+/// The bytes of what tinygltf makes of an object in the list `name`.
+std::uint64_t object_bytes(std::string_view name) {
+  constexpr std::pair<std::string_view, std::size_t> kLarge[] = {
+      {"materials", sizeof(Material)}, {"cameras", sizeof(tinygltf::Camera)},
+      {"lights", sizeof(Light)},       {"images", sizeof(tinygltf::Image)},
+      {"nodes", sizeof(Node)},         {"accessors", sizeof(Accessor)}};
+  const auto* found = std::ranges::find(kLarge, name, [](const auto& large) { return large.first; });
+  return found == std::end(kLarge) ? sizeof(AnimationChannel) : found->second;
+}
+
+/// The bytes of what tinygltf makes of all objects in lists.
+std::uint64_t model_bytes(const json& value) {
+  std::uint64_t sum = 0;
+  if (value.is_array())
+    for (const json& element : value) sum += model_bytes(element);
+  if (value.is_object())
+    for (const auto& [name, member] : value.items()) {
+      if (member.is_array() && !member.empty() && member.front().is_object())
+        sum += member.size() * object_bytes(name);
+      sum += model_bytes(member);
+    }
+  return sum;
+}
+
+/// "materials":[{},{},...] would make 700 bytes of each byte.
+Checked check_size(const json& root, std::size_t text_bytes) {
+  constexpr std::uint64_t kAlways = std::uint64_t{1} << 26, kOfEachByte = 64;
+  if (model_bytes(root) <= kAlways + kOfEachByte * text_bytes) return {};
+  return fail(Fault::OutOfRange, "more objects than a file of this size should have");
 }
 
 /// The extension that compresses buffers, and its newer name.
@@ -67,7 +103,7 @@ bool is_fallback(const json& buffer) {
 /// Calls `check_item(index, item)` for each object of a list, up to the first fault.
 template <class Check>
 Checked check_list(json& of, const std::string& name, Check check_item) {
-  const auto& list = list_of(of, name);
+  const std::span<json> list = list_of(of, name);
   for (std::size_t i = 0; i < list.size(); ++i)
     if (Checked checked = check_item(i, list[i]); !checked) return checked;
   return {};
@@ -123,8 +159,8 @@ class FileServer {
  public:
   /// Takes the descriptions of buffers and images from `root`, and puts stand-ins in their place.
   FileServer(json& root, std::span<const std::byte> bin, SceneFolder& folder)
-      : buffers_(std::move(list_of(root, "buffers"))),
-        images_(std::move(list_of(root, "images"))),
+      : buffers_(taken(root, "buffers")),
+        images_(taken(root, "images")),
         bin_(bin),
         folder_(folder),
         unreadable_(images_.size()) {
@@ -213,7 +249,7 @@ class FileServer {
   /// An image in a buffer view has no bytes of its own.
   Expected<Bytes> image(std::size_t index) {
     const json& from = images_[index];
-    if (!from.contains("uri")) return fail(Fault::Missing, "");
+    if (!verdict_ || !from.contains("uri")) return fail(Fault::Missing, "");
     const std::string uri = from["uri"];
     Expected<Bytes> file = folder_.load(uri);
     if (file && file->size() > std::numeric_limits<int>::max())
@@ -250,8 +286,9 @@ void put_back(const std::vector<int>& indices, Document& document) {
     for (Primitive& primitive : mesh.primitives) primitive.indices = *next++;
 }
 
-/// tinygltf leaves out channels without a node and empty objects in lists of extensions (variants without a
-/// name). It refuses cameras of which it does not know all numbers; the loader reads only their names.
+/// tinygltf 2.7 leaves out channels without a node, and empty objects in lists of extensions (variants
+/// without a name). It refuses cameras of which it does not know all numbers; the loader reads only their
+/// names.
 void add_what_is_required(json& root) {
   for (json& animation : list_of(root, "animations"))
     for (json& channel : animation["channels"])
@@ -276,6 +313,7 @@ Expected<Document> document_from(json root, FileServer& files) {
   const std::vector<int> indices = take_indices(root);
   add_what_is_required(root);
   const std::string text = root.dump();
+  root = nullptr;  // tinygltf parses a copy
   if (text.size() > std::numeric_limits<unsigned int>::max())
     return fail(Fault::OutOfRange, "the JSON has more text than can be read");
   tinygltf::TinyGLTF reader;
@@ -286,7 +324,7 @@ Expected<Document> document_from(json root, FileServer& files) {
   const bool is_read = reader.LoadASCIIFromString(&document, &error, &warning, text.data(),
                                                   static_cast<unsigned int>(text.size()), "");
   if (!files.verdict()) return tl::unexpected(files.verdict().error());
-  if (!is_read)
+  if (!is_read)  // no file is known of which the checks before leave this to tinygltf
     return malformed("tinygltf: " +
                      (error.empty() ? "it cannot be read" : printable(error.substr(0, error.find('\n')))));
   put_back(indices, document);
@@ -306,6 +344,7 @@ Expected<Document> read_document(std::string_view text, std::span<const std::byt
           .and_then([&] { return check_version((*root)["asset"]); })
           .and_then([&] { return check_extensions(root->value("extensionsRequired", Names{})); })
           .and_then([&] { return keep_members(*root); })
+          .and_then([&] { return check_size(*root, text.size()); })
           .and_then([&] { return check_before_reading(*root); });
   if (!checked) return tl::unexpected(checked.error());
   FileServer files(*root, bin, folder);

@@ -57,12 +57,13 @@ Checked check_sparse(const Document& document, const std::string& name, const Ac
   if (!points_into(document.bufferViews, sparse.indices.bufferView) ||
       !points_into(document.bufferViews, sparse.values.bufferView))
     return malformed(name + ": its sparse part names a buffer view that is not there");
-  const auto fits = [&](int view, int offset, std::uint64_t bytes) {
-    return lies_in(at(document.bufferViews, view), static_cast<std::uint64_t>(offset), count, bytes, bytes);
+  const auto fits = [&](const auto& part, std::uint64_t bytes) {
+    const auto offset = static_cast<std::uint64_t>(part.byteOffset);
+    return lies_in(at(document.bufferViews, part.bufferView), offset, count, bytes, bytes);
   };
-  if (!fits(sparse.indices.bufferView, sparse.indices.byteOffset, bytes_of(component)))
+  if (!fits(sparse.indices, bytes_of(component)))
     return malformed(name + ": its sparse indices read beyond their buffer view");
-  if (!fits(sparse.values.bufferView, sparse.values.byteOffset, element_bytes(accessor)))
+  if (!fits(sparse.values, element_bytes(accessor)))
     return malformed(name + ": its sparse values read beyond their buffer view");
   const auto numbers = sparse_indices(document, accessor);
   const auto unordered = std::adjacent_find(numbers.begin(), numbers.end(), std::greater_equal<>());

@@ -28,20 +28,22 @@ Checked check_matrix(const std::string& name, const glm::dmat4& m) {
   return {};
 }
 
-bool animates_scale_of(const Document& document, std::size_t node) {
+/// The nodes whose scale an animation changes.
+std::set<int> nodes_with_moving_scale(const Document& document) {
+  std::set<int> nodes;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& channel : animation.channels)
-      if (channel.target_node == static_cast<int>(node) && channel.target_path == "scale") return true;
-  return false;
+      if (channel.target_path == "scale") nodes.insert(channel.target_node);
+  return nodes;
 }
 
-Checked check_transform(const Document& document, std::size_t index, const Node& node) {
+Checked check_transform(const Document& document, std::size_t index, const Node& node, bool scale_moves) {
   const std::string name = node_label(document, index);
   if (const auto matrix = matrix_of(node)) return check_matrix(name, *matrix);
   if (std::abs(glm::length(rotation_of(node)) - 1.0) > 0.01)
     return malformed(name + ": its rotation is not a unit quaternion");
   const glm::dvec3 scale = scale_of(node);
-  if ((scale.x == 0 || scale.y == 0 || scale.z == 0) && !animates_scale_of(document, index))
+  if ((scale.x == 0 || scale.y == 0 || scale.z == 0) && !scale_moves)
     return malformed(name + ": its scale is 0 and cannot be inverted");
   return {};
 }
@@ -146,11 +148,13 @@ std::vector<std::uint32_t> parents_first(const Document& document, const std::ve
 
 Checked validate_nodes(const Document& document, const SceneLimits& limits) {
   std::vector<Index> parents(document.nodes.size());
+  const std::set<int> moving = nodes_with_moving_scale(document);
   return check_each(document.nodes,
                     [&](auto i, const auto& node) { return check_references(document, i, node); })
       .and_then([&] {
-        return check_each(document.nodes,
-                          [&](auto i, const auto& node) { return check_transform(document, i, node); });
+        return check_each(document.nodes, [&](auto i, const auto& node) {
+          return check_transform(document, i, node, moving.contains(static_cast<int>(i)));
+        });
       })
       .and_then([&] { return check_children(document, parents); })
       .and_then([&] { return check_forest(document, parents, limits.node_depth); })

@@ -54,7 +54,7 @@ Datagrams video_datagrams(std::uint32_t frame, std::uint32_t after, std::span<co
   return finished(packer, frame);
 }
 
-void accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
+void deliver(Assembler& assembler, const std::vector<std::byte>& datagram) {
   const auto message = decode_server(datagram);
   ASSERT_TRUE(message.has_value());
   if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
@@ -79,8 +79,8 @@ TEST(PictureAssembly, GivesBackAGBufferWithItsMasksInAnyOrder) {
   assembler.expect(requested, {3}, kFirstLightSet);
   for (const auto& datagram : datagrams) {
     EXPECT_FALSE(assembler.find({1})->complete() && assembler.find({1})->report);
-    accept(assembler, datagram);
-    accept(assembler, datagram);  // doubled
+    deliver(assembler, datagram);
+    deliver(assembler, datagram);  // doubled
   }
   const RequestRecord& received = *assembler.find({1});
   EXPECT_TRUE(received.complete());
@@ -98,7 +98,7 @@ TEST(PictureAssembly, ALostPlaneSliceLeavesItsTilesUnknown) {
   const Datagrams datagrams = finished(packer, 1);
   Assembler assembler;
   assembler.expect(requested, {3}, kFirstLightSet);
-  for (std::size_t i = 1; i < datagrams.size(); ++i) accept(assembler, datagrams[i]);
+  for (std::size_t i = 1; i < datagrams.size(); ++i) deliver(assembler, datagrams[i]);
   const RequestRecord& received = *assembler.find({1});
   EXPECT_FALSE(received.complete());
   EXPECT_LT(received.gbuffer.tiles_known, received.gbuffer.tiles);
@@ -114,7 +114,7 @@ TEST(PictureAssembly, GivesBackACodedPictureOfAnySizeInAnyOrder) {
     std::ranges::reverse(datagrams);
     Assembler assembler;
     assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);
-    for (const auto& datagram : datagrams) accept(assembler, datagram);
+    for (const auto& datagram : datagrams) deliver(assembler, datagram);
     const RequestRecord& received = *assembler.find({8});
     EXPECT_TRUE(received.complete()) << bytes;
     EXPECT_EQ(received.video.unit, unit);
@@ -164,7 +164,7 @@ TEST(PictureAssembly, ZerosFillUpAPartAndReplaceALostOne) {
     assembler.expect(request(frame, Answer::Difference), {3}, kFirstLightSet);
     const Datagrams sent = video_datagrams(frame, frame, unit);
     for (std::size_t i = 0; i < sent.size(); ++i)
-      if (i != lost) accept(assembler, sent[i]);
+      if (i != lost) deliver(assembler, sent[i]);
     return *assembler.find({frame});
   };
   const auto with = [&](std::initializer_list<std::size_t> nals) {
@@ -195,12 +195,12 @@ TEST(PictureAssembly, ZerosFillUpAPartAndReplaceALostOne) {
 TEST(PictureAssembly, RefusesUnrequestedPieces) {
   Assembler assembler;
   assembler.expect(request(1, Answer::Masks), {3}, kFirstLightSet);
-  for (const auto& datagram : video_datagrams(1, 1, noise(10))) accept(assembler, datagram);
+  for (const auto& datagram : video_datagrams(1, 1, noise(10))) deliver(assembler, datagram);
   FramePacker packer;
   packer.begin();
   packer.add(FrameId{1}, noisy_gbuffer({70, 50}));
   const Datagrams planes = finished(packer, 1);
-  for (const auto& datagram : planes) accept(assembler, datagram);
+  for (const auto& datagram : planes) deliver(assembler, datagram);
   EXPECT_FALSE(assembler.find({1})->anything_known());
   EXPECT_EQ(assembler.counters().refused[WireRefusal::AnswerSpec], planes.size());
 }
@@ -221,9 +221,9 @@ TEST(PictureAssembly, RefusesPositionsInAGBuffer) {
 TEST(PictureAssembly, RefusesAPartOfAnotherCut) {
   Assembler assembler;
   assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);
-  accept(assembler, video_datagrams(8, 7, noise(2 * kVideoPart_bytes))[0]);
-  accept(assembler, video_datagrams(8, 7, noise(3 * kVideoPart_bytes))[1]);
-  accept(assembler, video_datagrams(8, 8, noise(2 * kVideoPart_bytes))[1]);
+  deliver(assembler, video_datagrams(8, 7, noise(2 * kVideoPart_bytes))[0]);
+  deliver(assembler, video_datagrams(8, 7, noise(3 * kVideoPart_bytes))[1]);
+  deliver(assembler, video_datagrams(8, 8, noise(2 * kVideoPart_bytes))[1]);
   EXPECT_EQ(assembler.counters().refused[WireRefusal::Part], 2u);
   EXPECT_EQ(assembler.find({8})->video.parts_known, 1u);
 }
@@ -277,8 +277,8 @@ TEST(MaskBlockAssembly, GivesBackTheMasksInAnyOrder) {
   assembler.expect(requested, {40}, kFirstLightSet);
   for (const auto& datagram : datagrams) {
     EXPECT_FALSE(assembler.find({1})->complete() && assembler.find({1})->report);
-    accept(assembler, datagram);
-    accept(assembler, datagram);  // doubled
+    deliver(assembler, datagram);
+    deliver(assembler, datagram);  // doubled
   }
   const RequestRecord& received = *assembler.find({1});
   EXPECT_TRUE(received.complete());
@@ -295,13 +295,13 @@ TEST(MaskBlockAssembly, NothingIsKnownBeforeAllPartsHaveCome) {
   Assembler assembler;
   assembler.expect(requested, {40}, kFirstLightSet);
   for (std::size_t i = 0; i < datagrams.size(); ++i)
-    if (i != 3) accept(assembler, datagrams[i]);
+    if (i != 3) deliver(assembler, datagrams[i]);
   const RequestRecord& received = *assembler.find({1});
   EXPECT_FALSE(received.anything_known());
   EXPECT_EQ(received.pieces_known(), datagrams.size() - 2) << "but the client sees that more comes";
   EXPECT_EQ(received.tiles_known, PerEye<std::uint32_t>{});
   EXPECT_EQ(assembler.newest_known(), nullptr);
-  accept(assembler, datagrams[3]);
+  deliver(assembler, datagrams[3]);
   EXPECT_TRUE(received.complete() && received.anything_known());
 }
 
@@ -311,7 +311,7 @@ TEST(MaskBlockAssembly, RefusesWhatWasNotAskedFor) {
   const auto refused = [&](const Datagrams& datagrams) {
     Assembler assembler;
     assembler.expect(requested, {40}, kFirstLightSet);
-    for (const auto& datagram : datagrams) accept(assembler, datagram);
+    for (const auto& datagram : datagrams) deliver(assembler, datagram);
     EXPECT_FALSE(assembler.find({1})->anything_known());
     EXPECT_EQ(assembler.find({1})->masks[0], EyeMask({70, 50}, 40)) << "no bit is set";
     return assembler.counters().refused;
@@ -335,7 +335,7 @@ TEST(PictureAssembly, AReusedSlotRemembersNoPicture) {
     assembler.expect(request(frame, frame % 2 == 0 ? Answer::Video : Answer::GBuffer), {3}, kFirstLightSet);
     EXPECT_FALSE(assembler.find({frame})->anything_known()) << frame;
     EXPECT_FALSE(assembler.find({frame})->complete()) << frame;
-    if (frame % 2 == 0) accept(assembler, video_datagrams(frame, frame, noise(40))[0]);
+    if (frame % 2 == 0) deliver(assembler, video_datagrams(frame, frame, noise(40))[0]);
   }
 }
 

@@ -113,6 +113,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "accessor 0: 1073741824 elements are more than",
                 Fault::OutOfRange},
         Spoiled{"StrideBelowElement", {{"/bufferViews/0/byteStride", 8}}, "accessor 0: the stride"},
+        Spoiled{"StrideZero", {{"/bufferViews/0/byteStride", 0}}, "buffer view 0: its stride"},
         Spoiled{"StrideOdd", {{"/bufferViews/0/byteStride", 13}}, "buffer view 0: its stride"},
         Spoiled{"StrideBeyondView", {{"/bufferViews/0/byteStride", 24}}, "accessor 0 reads beyond"},
         Spoiled{"ComponentUnknown",
@@ -219,6 +220,15 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"/nodes/4/matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}},
                 "node 4 'eye' has both"},
         Spoiled{"SkinMissing", {{"/nodes/0/skin", 0}}, "node 0 'seat': there is no skin 0"},
+        Spoiled{"ImageOfBoth",
+                {{"/images/0/uri", "x.png"}, {"/images/0/bufferView", 0}},
+                "image 0 should have either a URI or a buffer view"},
+        Spoiled{"ImageOfNeither", {{"/images/0", json::object()}}, "image 0 should have either"},
+        Spoiled{"RangeNegative", {{"/extensions/KHR_lights_punctual/lights/0/range", -1}}, "range should be"},
+        Spoiled{"IntensityNegative",
+                {{"/extensions/KHR_lights_punctual/lights/0/intensity", -1}},
+                "intensity should be"},
+        Spoiled{"CutoffNegative", {{"/materials/0/alphaCutoff", -1}}, "alphaCutoff should be"},
         Spoiled{
             "SkinWithoutJoints", {{"/skins", json::array({json::object()})}}, "skins[0].joints is missing"},
         Spoiled{"SkinOfNoJoint",
@@ -465,6 +475,42 @@ TEST(GltfHostile, RefusesBuffersWithoutBytes) {
   EXPECT_EQ(with_two.error().what, "buffer 1 has neither a URI nor a GLB's binary chunk");
   ASSERT_FALSE(without_bin.has_value());
   EXPECT_EQ(without_bin.error().what, "buffer 0 has neither a URI nor a GLB's binary chunk");
+}
+
+TEST(GltfHostile, RefusesMoreObjectsThanItsSizeAllows) {
+  GltfBuilder file = triangle_file();
+  file.json["materials"] = json::array_t(100'000, json::object());
+  const auto scene = load(file);
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_EQ(scene.error().fault, Fault::OutOfRange);
+  EXPECT_EQ(scene.error().what, "more objects than a file of this size should have");
+  file.json["materials"] = json::array_t(100'000, json{{"name", std::string(100, 'm')}});
+  EXPECT_TRUE(load(file).has_value());
+}
+
+TEST(GltfHostile, RefusesInstancesWhoseNamesAreLong) {
+  const auto with_name = [](std::size_t letters) {
+    GltfBuilder file = triangle_file();
+    file.json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 50'000}});
+    json& node = file.json["nodes"][0];
+    node["name"] = std::string(letters, 'n');
+    node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+        file.json["accessors"].size() - 1;
+    return load(file);
+  };
+  EXPECT_TRUE(with_name(10));
+  const auto scene = with_name(20'000);
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_NE(scene.error().what.find("50000 instances are more than"), std::string::npos)
+      << scene.error().what;
+}
+
+TEST(GltfHostile, ReportsTheFirstImageThatIsDamaged) {
+  GltfBuilder file = rich_file();
+  file.json["images"] = {{{"uri", "data:;base64,*"}}, {{"uri", "data:;base64,**"}}};
+  const auto scene = load(file);
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_EQ(scene.error().what.find("image 0:"), 0u) << scene.error().what;
 }
 
 }  // namespace

@@ -201,6 +201,7 @@ TEST(WildAnimationPointers, ToOtherThingsStandStillWithAWarning) {
     expect_says(scene.warnings[0], "KHR_animation_pointer: only nodes and lights are animated");
   }
   expect_says(refused(pointer_file("/nodes/7/translation")).what, "there is no node 7");
+  expect_says(refused(pointer_file("/nodes/3000000000/translation")).what, "there is no node 2147483647");
 }
 
 TEST(WildMaterials, WithoutLightAndThatGlowAreDrawnLitWithAWarning) {
@@ -211,6 +212,10 @@ TEST(WildMaterials, WithoutLightAndThatGlowAreDrawnLitWithAWarning) {
   ASSERT_EQ(scene.warnings.size(), 2u);
   expect_says(scene.warnings[0], "surfaces do not glow");
   expect_says(scene.warnings[1], "materials without light are lit");
+  EXPECT_FALSE(scene.materials.at(0).unlit);
+  file.json["materials"] = {{{"extensions", {{"KHR_materials_unlit", json::object()}}}}};
+  file.json["meshes"][0]["primitives"][0]["material"] = 0;
+  EXPECT_TRUE(loaded(file).materials.at(0).unlit);
 }
 
 TEST(WildMaterials, OfSpecularAndGlossinessHaveTheirDiffuseColour) {
@@ -319,6 +324,24 @@ TEST(WildMembers, ThatNobodyReadsMayHaveAnyType) {
   const auto scene = load(file);
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_EQ(scene->hash, hash);
+}
+
+/// tinygltf ends names at a zero byte.
+TEST(WildMembers, WhoseNamesHaveAZeroByteAreNotThoseBeforeIt) {
+  GltfBuilder file = rich_file();
+  const SceneHash hash = loaded(file).hash;
+  auto& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes[std::string("NORMAL\0", 7)] = 99;
+  attributes[std::string("POSITION\0x", 10)] = 98;
+  EXPECT_EQ(loaded(file).hash, hash);
+}
+
+TEST(WildAnimations, LeaveOutChannelsWithoutANode) {
+  GltfBuilder file = rich_file();
+  const std::size_t all = loaded(file).channels.size();
+  ASSERT_GE(all, 1u);
+  file.json["animations"][0]["channels"][0]["target"].erase("node");
+  EXPECT_EQ(loaded(file).channels.size(), all - 1);
 }
 
 TEST(WildMembers, OfExtensionsMayBeLargeWholeNumbers) {

@@ -16,7 +16,7 @@ constexpr Duration kInterval = std::chrono::nanoseconds(13'888'889);
 constexpr double kFullBytes = 20'400;
 
 /// A client that follows the advice, and a path that takes each frame before the next one is sent.
-struct Client {
+struct RatedClient {
   Quality quality;
   Time now{};
   double exponent = 1.5;  ///< true bytes of a frame grow with scale^exponent
@@ -47,20 +47,20 @@ struct Client {
 const double kFourIntervals = kFullBytes / (4 * seconds_of(kInterval));
 
 TEST(Quality, SlowerPathLowersTheMaskRateFirst) {
-  Client client;
+  RatedClient client;
   client.run(1.05 * kFourIntervals, seconds(60));
   EXPECT_EQ(client.scale, kFullViewScale);
 }
 
 TEST(Quality, SizeFollowsWhenTheMaskRateIsAtItsLeast) {
-  Client client;
+  RatedClient client;
   client.run(0.5 * kFourIntervals, seconds(20));
   EXPECT_EQ(client.scale, ViewScale{5});  // (5/8)^1.5 = 0.494
   EXPECT_EQ(client.steps_up, 0);
 }
 
 TEST(Quality, WorstPathEndsAtTheLeastSize) {
-  Client client;
+  RatedClient client;
   client.run(25e3, seconds(30));
   EXPECT_EQ(client.scale, Quality::kLeast);
 }
@@ -71,7 +71,7 @@ TEST(Quality, ConstantPathNeverSwings) {
       for (double rate = 0.05; rate < 1.6; rate *= 1.03) {
         SCOPED_TRACE(testing::Message()
                      << "seed 5, exponent " << exponent << " swing " << swing << " rate " << rate);
-        Client client;
+        RatedClient client;
         client.exponent = exponent;
         client.swing = swing;
         client.noise = 0.1;
@@ -81,7 +81,7 @@ TEST(Quality, ConstantPathNeverSwings) {
 }
 
 TEST(Quality, FullSizeIsBackSoonAfterThePath) {
-  Client client;
+  RatedClient client;
   client.run(25e3, seconds(30));
   ASSERT_EQ(client.scale, Quality::kLeast);
   const Time opened = client.now;
@@ -91,7 +91,7 @@ TEST(Quality, FullSizeIsBackSoonAfterThePath) {
 }
 
 TEST(Quality, ShortDipChangesNothing) {
-  Client client;
+  RatedClient client;
   client.run(2 * kFourIntervals, seconds(5));
   client.run(0.7 * kFourIntervals, milliseconds(400));
   client.run(2 * kFourIntervals, seconds(5));
