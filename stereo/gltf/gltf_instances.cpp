@@ -128,7 +128,7 @@ Checked expand_instances(Document& document) {
     const auto count = check_instances(document, name, *instancing);
     if (!count) return tl::unexpected(count.error());
     // What each instance has besides its place: its name, the weights, and channels that move them.
-    const std::uint64_t each = 1 + node.name.size() / 64 + node.weights.size() / 16 + channels.count(i);
+    const std::uint64_t each = 1 + node.name.size() / 64 + node.weights.size() / 16 + channels.count(i) / 8;
     if (*count > left / each)
       return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
                                          " instances are more than a file of this size should have");
