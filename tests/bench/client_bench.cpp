@@ -127,13 +127,13 @@ void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
 
 void time_request_reprojection(Renderer& renderer, const FrameRequest& request, std::size_t slot,
                                const TracedMask& base, Times& times) {
-  RequestReprojection reprojected;
+  RequestReprojection reprojection;
   const std::optional<DrawTimes> reprojected =
-      renderer.reproject_to_request(request, slot, &base, reprojected);
+      renderer.reproject_to_request(request, slot, &base, reprojection);
   if (!reprojected) return;
   times.request_reprojection.push_back(ms_of(reprojected->request_reprojection));
   times.ask.push_back(ms_of(reprojected->total));
-  times.requested_percent.push_back(100 * part_of(reprojected.requested));
+  times.requested_percent.push_back(100 * part_of(reprojection.requested));
 }
 
 SceneLevels levels_for(const Scene& scene, const Options& options) {
