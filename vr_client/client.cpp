@@ -96,10 +96,10 @@ std::uint32_t frames_in_flight(const Options& options) {
          4;
 }
 
-/// Only mode hybrid requests a cube mask, and only a reprojection can look it up. The viewer of a preview may
-/// switch the reprojection on.
+/// Only mode hybrid requests a cube mask, and not beside blocks of masks; only a reprojection can look it up.
+/// The viewer of a preview may switch the reprojection on.
 bool needs_cube_mask(const Options& options) {
-  return options.mode.mode == Mode::Hybrid &&
+  return options.mode.mode == Mode::Hybrid && options.mode.mask_code == MaskCode::Range &&
          (options.preview || options.reprojection.lookup == Lookup::Reproject);
 }
 

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <stdexcept>
-
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/device_recovery.h"
 #include "stereo/codec/ask_coder.h"
@@ -25,6 +23,7 @@ class Masks final : public RequestHandler {
     const bool is_whole = job.request.answer.slices == 0;
     if (!is_whole) unpack(job.parts);
     const TraceStats traced = tracer_.trace(request_, frame_, job.is_given_up);
+    go_on_with(job);
     if (request_.answer.coding == Coding::Lz4) return {.traced = traced, .coding = add_block(packer)};
     if (is_whole)
       packer.add(frame_);
@@ -38,9 +37,10 @@ class Masks final : public RequestHandler {
   Duration add_block(FramePacker& packer) const {
     const Stopwatch coding;
     const std::vector<std::byte> block = pack_mask_block(frame_);
-    if (block.empty()) throw std::runtime_error("masks are too large to send as one LZ4 block");
+    if (block.empty()) throw AnswerTooLarge(kMostMaskBlock_bytes);
+    const Duration packed = coding.elapsed();
     packer.add(request_.frame, request_.frame, full_parts(block));
-    return coding.elapsed();
+    return packed;
   }
 
   void unpack(std::span<const std::vector<std::byte>> messages) {

@@ -45,9 +45,7 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
   const VideoUnitParts parts = video_parts(unit);
   // The next picture depends on this one even if this one is too large to send.
   const FrameId last = std::exchange(stream.last, request.frame);
-  if (parts.size() > kMostVideoParts)
-    throw std::runtime_error("an encoded picture of " + std::to_string(unit.size()) +
-                             " bytes is too large to send");
+  if (parts.size() > kMostVideoParts) throw AnswerTooLarge(unit.size());
   packer.add(request.frame, alone ? request.frame : last, parts);
   return coding.elapsed();
 }

@@ -29,7 +29,7 @@ AnswerSet RequestHandlers::offered() const {
 }
 
 AnswerCost RequestHandlers::answer(const Job& job, FramePacker& packer, Time now) {
-  bool rebuilt_too_often = false;
+  AnswerCost none;
   RequestHandler* const handler = handlers_[index_of(job.request.answer.kind)].get();
   check(handler != nullptr, "a session accepts requests for offered answers only");
   try {
@@ -42,12 +42,13 @@ AnswerCost RequestHandlers::answer(const Job& job, FramePacker& packer, Time now
     packer.begin();
     return without_memory(now);
   } catch (const std::exception& error) {
-    rebuilt_too_often = dynamic_cast<const RebuiltTooOften*>(&error) != nullptr;
+    none.rebuilt_too_often = dynamic_cast<const RebuiltTooOften*>(&error) != nullptr;
+    none.too_large = dynamic_cast<const AnswerTooLarge*>(&error) != nullptr;
     if (const auto line = failures_.failed(error.what(), now))
       spdlog::warn("a request cannot be answered: {}", *line);
   }
   packer.begin();
-  return {.rebuilt_too_often = rebuilt_too_often};
+  return none;
 }
 
 AnswerCost RequestHandlers::without_memory(Time now) {

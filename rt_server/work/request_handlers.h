@@ -20,6 +20,7 @@ struct AnswerCost {
   Duration draw{}, coding{};
   bool lacked_memory = false;      ///< there is no content because memory ran out
   bool rebuilt_too_often = false;  ///< there is none for RebuiltTooOften
+  bool too_large = false;          ///< there is none for AnswerTooLarge
 };
 
 /// Makes one kind of answer and reuses its buffers. Called by one thread at a time.
@@ -50,6 +51,12 @@ struct AnswersLost : std::runtime_error {
 /// The clients of one key change the sizes of their views or their bit rates too often.
 struct RebuiltTooOften : std::runtime_error {
   RebuiltTooOften() : std::runtime_error("its key changes sizes or bit rates too often") {}
+};
+
+/// An answer has more parts than a message can number. Smaller views have a smaller one.
+struct AnswerTooLarge : std::runtime_error {
+  explicit AnswerTooLarge(std::size_t bytes)
+      : std::runtime_error("an answer of " + std::to_string(bytes) + " bytes is too large to send") {}
 };
 
 class RequestHandlers {

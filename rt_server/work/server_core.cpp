@@ -248,10 +248,11 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
     return given_up.load();
   };
   packer_.begin(job.most_message_bytes);
-  const auto [traced, draw, coding, lacked_memory, rebuilt_too_often] =
+  const auto [traced, draw, coding, lacked_memory, rebuilt_too_often, too_large] =
       job.is_too_costly ? AnswerCost{} : answers_.answer(job, packer_, begun);
   if (lacked_memory) ++out_of_memory_;
   if (rebuilt_too_often) ++rebuilt_too_often_;
+  const bool lacks_content = given_up || job.is_too_costly || lacked_memory || rebuilt_too_often || too_large;
   const FrameReport report{.frame = job.request.frame,
                            .primary_rays = traced.primary_rays,
                            .shadow_rays = traced.shadow_rays,
@@ -266,9 +267,7 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
                            .bytes_per_second = job.bytes_per_second,
                            .view_scale = job.view_scale};
   if (given_up) ++given_up_;
-  return {packer_.finish(report), traced,
-          given_up || job.is_too_costly || lacked_memory || rebuilt_too_often ? JobEnd::GivenUp
-                                                                              : JobEnd::Answered};
+  return {packer_.finish(report), traced, lacks_content ? JobEnd::GivenUp : JobEnd::Answered};
 }
 
 bool ServerCore::work(const std::stop_token& stop) try {

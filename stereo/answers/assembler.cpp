@@ -66,6 +66,11 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
   }
 }
 
+/// The most parts of a block of masks.
+std::size_t most_parts(const PerEye<EyeMask>& masks) {
+  return (most_mask_block_bytes(masks) + kVideoPart_bytes - 1) / kVideoPart_bytes;
+}
+
 /// Of a block of masks all parts have come: all tiles are known.
 Decoded<void> open_masks(RequestRecord& frame) {
   const Decoded<void> opened = decode_mask_block(frame.video.unit, frame.light_set_revision, frame.masks);
@@ -211,6 +216,8 @@ const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
   const auto take = [&]() -> Decoded<std::uint32_t> {
     const bool of_masks = frame->request.answer.coding == Coding::Lz4;
     if (!of_masks && !is_video(frame->request.answer.kind)) return refuse(WireRefusal::AnswerSpec);
+    if (of_masks && (part.after != part.frame || part.parts > most_parts(frame->masks)))
+      return refuse(WireRefusal::Part);
     if (video.known.empty()) {
       video.after = part.after;
       video.known.assign(part.parts, false);

@@ -24,6 +24,10 @@ std::size_t each_bit(const EyeMask& mask, const auto& visit) {
   return bit;
 }
 
+std::size_t content_bytes(const PerEye<EyeMask>& masks) {
+  return content_bytes(masks[0]) + content_bytes(masks[1]);
+}
+
 void write(const EyeMask& mask, std::vector<std::byte>& content) {
   const std::size_t first = content.size();
   content.resize(first + content_bytes(mask));
@@ -32,31 +36,42 @@ void write(const EyeMask& mask, std::vector<std::byte>& content) {
   });
 }
 
-/// Adds the bits that write() wrote to a mask without any. False if a bit after the last one is set.
-bool read(std::span<const std::byte> content, EyeMask& mask) {
-  const auto is_set = [&](std::size_t bit) {
-    return (content[bit / 8] >> bit % 8 & std::byte{1}) != std::byte{0};
-  };
-  std::size_t end =
-      each_bit(mask, [&](std::size_t bit, std::uint32_t x, std::uint32_t y, std::uint32_t light) {
-        if (is_set(bit)) mask.set_word(x, y, light / 32, mask.word(x, y, light / 32) | 1u << light % 32);
-      });
-  while (end < 8 * content.size())
-    if (is_set(end++)) return false;
+bool is_set(std::span<const std::byte> content, std::size_t bit) {
+  return (content[bit / 8] >> bit % 8 & std::byte{1}) != std::byte{0};
+}
+
+/// Whether no bit after the last one is set.
+bool ends_in_zeros(std::span<const std::byte> content, const EyeMask& mask) {
+  for (std::size_t bit = mask.size().pixels() * mask.lights(); bit < 8 * content.size(); ++bit)
+    if (is_set(content, bit)) return false;
   return true;
+}
+
+/// The mask of the bits that write() wrote, like `mask`.
+EyeMask read(std::span<const std::byte> content, const EyeMask& mask) {
+  EyeMask result(mask.size(), mask.layout());
+  each_bit(result, [&](std::size_t bit, std::uint32_t x, std::uint32_t y, std::uint32_t light) {
+    if (is_set(content, bit))
+      result.set_word(x, y, light / 32, result.word(x, y, light / 32) | 1u << light % 32);
+  });
+  return result;
 }
 
 }  // namespace
 
 std::vector<std::byte> pack_mask_block(const ShadowFrame& frame) {
   std::vector<std::byte> content, bytes;
-  content.reserve(content_bytes(frame.masks[0]) + content_bytes(frame.masks[1]));
+  content.reserve(content_bytes(frame.masks));
   for (const EyeMask& mask : frame.masks) write(mask, content);
   ByteWriter(bytes).u32(frame.light_set_revision.value);
-  bytes.resize(std::min(kRevision_bytes + most_packed_bytes(content.size()), kMostMaskBlock_bytes));
+  bytes.resize(most_mask_block_bytes(frame.masks));
   const std::size_t packed = pack_block(content, std::span(bytes).subspan(kRevision_bytes));
   bytes.resize(packed == 0 ? 0 : kRevision_bytes + packed);
   return bytes;
+}
+
+std::size_t most_mask_block_bytes(const PerEye<EyeMask>& masks) {
+  return std::min(kRevision_bytes + most_packed_bytes(content_bytes(masks)), kMostMaskBlock_bytes);
 }
 
 Decoded<void> decode_mask_block(std::span<const std::byte> bytes, LightSetRevision expected,
@@ -66,14 +81,11 @@ Decoded<void> decode_mask_block(std::span<const std::byte> bytes, LightSetRevisi
   if (!io.u32(revision.value)) return refuse(WireRefusal::Truncated);
   if (revision != expected) return refuse(WireRefusal::OtherMask);
   const std::size_t left_bytes = content_bytes(masks[0]);
-  std::vector<std::byte> content(left_bytes + content_bytes(masks[1]));
+  std::vector<std::byte> content(content_bytes(masks));
   if (!open_whole_block(bytes.subspan(kRevision_bytes), content)) return refuse(WireRefusal::Block);
-  PerEye<EyeMask> opened{EyeMask(masks[0].size(), masks[0].layout()),
-                         EyeMask(masks[1].size(), masks[1].layout())};
-  if (!read(std::span(content).first(left_bytes), opened[0]) ||
-      !read(std::span(content).subspan(left_bytes), opened[1]))
-    return refuse(WireRefusal::TileBits);
-  masks = std::move(opened);
+  const std::span left = std::span(content).first(left_bytes), right = std::span(content).subspan(left_bytes);
+  if (!ends_in_zeros(left, masks[0]) || !ends_in_zeros(right, masks[1])) return refuse(WireRefusal::TileBits);
+  masks = {read(left, masks[0]), read(right, masks[1])};
   return {};
 }
 

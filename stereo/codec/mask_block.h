@@ -15,9 +15,12 @@ namespace farshade {
 inline constexpr std::size_t kMostMaskBlock_bytes = kMostVideoParts * kVideoPart_bytes;
 
 /// The light set's revision, then the block. Its content are the bits of the left eye's mask, then those of
-/// the right eye's, each from a byte of its own on: light by light, row by row. Empty if that is more than
-/// kMostMaskBlock_bytes.
+/// the right eye's, each from a byte of its own on: light by light, row by row. Returns no bytes if there
+/// would be more than kMostMaskBlock_bytes.
 [[nodiscard]] std::vector<std::byte> pack_mask_block(const ShadowFrame& frame);
+
+/// The most bytes that pack_mask_block returns for masks like these.
+[[nodiscard]] std::size_t most_mask_block_bytes(const PerEye<EyeMask>& masks);
 
 /// Replaces the bits of `masks`, which have the size and the lights that were asked for. Refuses bytes of
 /// another light set than `expected`, and all but an LZ4 block with exactly the content of such masks. After

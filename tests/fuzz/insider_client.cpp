@@ -185,7 +185,8 @@ Bytes Conversation::request(std::uint32_t place, fuzz::Choices& choices) {
   const bool positions = request.answer.kind == Answer::MasksOfPositions;
   if (positions) request.answer.position_bits = kLeastPosition_bits;
   if (positions || request.answer.kind == Answer::Masks) request.answer.slices = choices.up_to(65535);
-  if (request.answer.kind == Answer::Masks && request.answer.slices == 0) request.answer.coding = Coding::Lz4;
+  if (request.answer.kind == Answer::Masks && request.answer.slices == 0 && choices.up_to(1) == 0)
+    request.answer.coding = Coding::Lz4;
   if (request.answer.kind == Answer::CubeMask) request.frame.value += kFirstCubeMaskFrame.value;
   message.probe_echo = choices.up_to(1) == 0 ? evil(place).probe : any_number(choices);
   message.arrivals.first = any_number(choices) / 2;

@@ -329,6 +329,50 @@ TEST(MaskBlockAssembly, RefusesWhatWasNotAskedFor) {
   EXPECT_EQ(refused(slices)[WireRefusal::AnswerSpec], slices.size() - 1);
 }
 
+TEST(MaskBlockAssembly, ARefusedBlockIsOpenedOnce) {
+  const FrameRequest requested = block_request(1);
+  ShadowFrame other_lights = noisy_masks(requested);
+  other_lights.light_set_revision = {9};
+  const Datagrams datagrams = block_datagrams(other_lights);
+  Assembler assembler;
+  assembler.expect(requested, {40}, kFirstLightSet);
+  for (const auto& datagram : datagrams) deliver(assembler, datagram);
+  deliver(assembler, datagrams[datagrams.size() - 2]);  // the last part; the report comes after it
+  EXPECT_EQ(assembler.counters().refused.total(), 1u);
+  EXPECT_EQ(assembler.counters().duplicates, 1u);
+}
+
+TEST(MaskBlockAssembly, RefusesMorePartsThanItsMasksCanHave) {
+  const FrameRequest requested = block_request(1);
+  const std::size_t most = most_mask_block_bytes(noisy_masks(requested).masks);
+  Assembler assembler;
+  assembler.expect(requested, {40}, kFirstLightSet);
+  const auto with_bytes = [](std::size_t bytes) {
+    FramePacker packer;
+    packer.begin();
+    packer.add({1}, {1}, full_parts(noise(bytes)));
+    return finished(packer, 1)[0];
+  };
+  deliver(assembler, with_bytes(most + kVideoPart_bytes));
+  EXPECT_EQ(assembler.counters().refused[WireRefusal::Part], 1u);
+  deliver(assembler, with_bytes(most));
+  EXPECT_EQ(assembler.counters().refused.total(), 1u);
+  EXPECT_EQ(assembler.find({1})->pieces_known(), 1u);
+}
+
+TEST(MaskBlockAssembly, PartsOfABlockDoNotReplaceWholeMasks) {
+  Assembler assembler(Assembler::kKept + 1);
+  const FrameRequest whole = block_request(1);
+  assembler.expect(whole, {40}, kFirstLightSet);
+  for (const auto& datagram : block_datagrams(noisy_masks(whole))) deliver(assembler, datagram);
+  for (std::uint32_t frame = 2; frame <= 20; ++frame) {
+    assembler.expect(block_request(frame), {40}, kFirstLightSet);
+    deliver(assembler, block_datagrams(noisy_masks(block_request(frame)))[0]);
+  }
+  ASSERT_NE(assembler.newest_known(), nullptr);
+  EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{1});
+}
+
 TEST(PictureAssembly, AReusedSlotRemembersNoPicture) {
   Assembler assembler(Assembler::kKept + 1);
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {

@@ -44,12 +44,15 @@ TEST(RequestHandlers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
 TEST(RequestHandlers, SaysWhyThereIsNoContent) {
   RequestHandlers handlers = answers_from(kEveryAnswer, [](const Job& job, FramePacker&) -> AnswerCost {
     if (job.request.answer.kind == Answer::Masks) throw std::bad_alloc();
+    if (job.request.answer.kind == Answer::GBuffer) throw AnswerTooLarge(5);
     throw RebuiltTooOften();
   });
   FramePacker packer;
   packer.begin();
   const AnswerCost masks = handlers.answer(job_for(Answer::Masks), packer, {}),
-                   video = handlers.answer(job_for(Answer::Video), packer, {});
+                   video = handlers.answer(job_for(Answer::Video), packer, {}),
+                   gbuffer = handlers.answer(job_for(Answer::GBuffer), packer, {});
+  EXPECT_TRUE(gbuffer.too_large && !gbuffer.lacked_memory && !gbuffer.rebuilt_too_often);
   EXPECT_TRUE(masks.lacked_memory && !masks.rebuilt_too_often);
   EXPECT_TRUE(video.rebuilt_too_often && !video.lacked_memory);
 }
