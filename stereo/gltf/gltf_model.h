@@ -204,8 +204,7 @@ template <class Vector>
   return value ? value->Get<std::string>() : otherwise;
 }
 /// The elements of a list; none if it or `of` is absent.
-[[nodiscard]] inline const tinygltf::Value::Array& list_member(const tinygltf::Value* of,
-                                                               const std::string& name) {
+[[nodiscard]] inline const tinygltf::Value::Array& list_member(const tinygltf::Value* of, const char* name) {
   static const tinygltf::Value::Array none;
   const auto* value = of ? member(*of, name) : nullptr;
   return value ? value->Get<tinygltf::Value::Array>() : none;
