@@ -51,13 +51,13 @@ Checked check_version(const json& asset) {
 }
 
 /// The objects of a list; none if it is absent.
-std::span<json> list_of(json& of, const std::string& name) {
+std::span<json> list_of(json& of, const char* name) {
   const auto found = of.find(name);
   return found == of.end() ? std::span<json>() : std::span<json>(found->get_ref<json::array_t&>());
 }
 
 /// Takes a list away.
-json::array_t taken(json& of, const std::string& name) {
+json::array_t taken(json& of, const char* name) {
   const auto found = of.find(name);
   return found == of.end() ? json::array_t{} : std::move(found->get_ref<json::array_t&>());
 }
@@ -102,7 +102,7 @@ bool is_fallback(const json& buffer) {
 
 /// Calls `check_item(index, item)` for each object of a list, up to the first fault.
 template <class Check>
-Checked check_list(json& of, const std::string& name, Check check_item) {
+Checked check_list(json& of, const char* name, Check check_item) {
   const std::span<json> list = list_of(of, name);
   for (std::size_t i = 0; i < list.size(); ++i)
     if (Checked checked = check_item(i, list[i]); !checked) return checked;
