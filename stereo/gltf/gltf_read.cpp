@@ -154,7 +154,7 @@ Checked check_before_reading(json& root) {
       });
 }
 
-/// Reads the file callbacks of tinygltf: it asks for buffer 3 as "b3" and for image 5 as "i5".
+/// Serves the file callbacks of tinygltf, which asks for buffer 3 as "b3" and for image 5 as "i5".
 class FileServer {
  public:
   /// Takes the descriptions of buffers and images from `root`, and puts stand-ins in their place.
