@@ -194,6 +194,22 @@ INSTANTIATE_TEST_SUITE_P(
         WrongChannel{"WideCone", LIGHT "0/spot/outerConeAngle", {1, 2}, "SCALAR", 2, "element 1 is a value"}),
     [](const auto& made) { return made.param.name; });
 
+TEST(AnimatedLights, IntegersAreNormalised) {
+  const auto with_normalized = [](bool normalized) {
+    GltfBuilder file = lamp_file();
+    const auto output =
+        file.accessor(file.view<std::uint16_t>({0, 65535}), 5123, "SCALAR", 2, {{"normalized", normalized}});
+    add_channel(file, LIGHT "0/intensity", output,
+                file.accessor(file.view<float>({0, 2}), 5126, "SCALAR", 2));
+    return load(file);
+  };
+  EXPECT_TRUE(with_normalized(true));
+  const auto plain = with_normalized(false);
+  ASSERT_FALSE(plain);
+  EXPECT_NE(plain.error().what.find("has a type that intensity of a light cannot have"), std::string::npos)
+      << plain.error().what;
+}
+
 TEST(AnimatedLights, RefusesTheSamePropertyTwice) {
   GltfBuilder file = lamp_file();
   animate(file, "intensity", {2, 6});
