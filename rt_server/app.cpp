@@ -51,10 +51,9 @@ std::string in_words(const TracerMemory& memory) {
   const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
   return fmt::format(
       "{:.2f} MB (vertices {:.2f}, triangles {:.2f}, facets {:.2f}, hierarchy {:.2f} (while building it "
-      "{:.2f}), light visibility maps {:.2f})",
+      "{:.2f}))",
       megabytes(memory.total()), megabytes(memory.vertices), megabytes(memory.triangles),
-      megabytes(memory.facets), megabytes(memory.hierarchy), megabytes(memory.hierarchy_peak),
-      megabytes(memory.maps));
+      megabytes(memory.facets), megabytes(memory.hierarchy), megabytes(memory.hierarchy_peak));
 }
 
 /// Each line of `text` ends with a newline.

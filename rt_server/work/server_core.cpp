@@ -103,9 +103,9 @@ std::string counters_line(const ServerCounters& counters) {
 std::string rays_line(const TraceStats& traced) {
   return fmt::format(
       "rt_server: rays: {} from eyes, {} to lights, of {} covered pixels times lights; the others needed "
-      "none: {} turned away, {} out of range, {} out of cone, {} proved in sight",
+      "none: {} turned away, {} out of range, {} out of cone",
       traced.primary_rays, traced.shadow_rays, traced.full_shadow_rays, traced.turned_away,
-      traced.out_of_range, traced.out_of_cone, traced.proven);
+      traced.out_of_range, traced.out_of_cone);
 }
 
 ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, RequestHandlers answers,

@@ -88,7 +88,7 @@ std::string motion_words(const ScenePlan& plan) {
 std::string light_use_words(const ScenePlan& plan) {
   return line("falloff", plan.draw.ranges_and_cones ? "on: some light has a range or a cone"
                                                     : "off: no light has a range or a cone") +
-         line("rays", plan.trace.skips_rays ? "only where a light can matter and is not proved to be visible"
+         line("rays", plan.trace.skips_rays ? "only where a light can matter"
                                             : "one for each covered pixel and light");
 }
 

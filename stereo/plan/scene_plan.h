@@ -52,8 +52,8 @@ struct SurfaceNeeds {
 /// What the tracer does for the scene.
 struct TracePlan {
   std::vector<SurfaceNeeds> surfaces;  ///< one per mesh
-  std::vector<bool> moves;  ///< one per instance: it is placed again whenever the scene's time changes
-  bool skips_rays = true;  ///< no ray where a light cannot matter, or where the light is proved to be visible
+  std::vector<bool> moves;   ///< one per instance: it is placed again whenever the scene's time changes
+  bool skips_rays = true;    ///< no ray where a light cannot matter
   bool shares_views = true;  ///< views that coincide are traced once
   MaskLayout mask;
 };

@@ -103,7 +103,6 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
   if (moving && !patch.rig) {
     const Bounds bounds = bounds_of(mesh.positions);
     patch.object_center = {(bounds.low + bounds.high) * 0.5};
-    patch.object_half = (bounds.high - bounds.low) * 0.5;
   }
 
   const Point<Stage> origin{glm::dvec3(stage_from_object[3])};
@@ -162,10 +161,6 @@ void SurfaceModel::deform(const SceneState& state, Patch& patch) {
   const auto positions = std::span(positions_).subspan(patch.first_vertex, patch.vertex_count);
   Deformation(*mesh.deformable, state.rigs[*patch.rig])
       .write(positions, std::span(normals_).subspan(patch.first_vertex, patch.vertex_count));
-  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
-  patch.box_center = (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
-  patch.object_half = (glm::dvec3(high) - glm::dvec3(low)) * 0.5;
   patch.object_reach = 0;
   for (std::size_t t = patch.first_triangle; t < patch.first_triangle + patch.triangle_count; ++t) {
     const glm::uvec3& v = triangles_[t];

@@ -48,9 +48,7 @@ struct Patch {
   std::uint32_t vertex_count = 0;
   Point<Object>
       object_center{};  ///< moving only: the origin of its vertices; the centre of their box, or 0 with a rig
-  glm::dvec3 box_center{0.0};   ///< moving only: centre of the box around its vertices; 0 without a rig
-  glm::dvec3 object_half{0.0};  ///< moving only: half the size of that box
-  double object_reach = 0;      ///< moving only: largest absolute coordinate of its vertices
+  double object_reach = 0;                       ///< moving only: largest absolute coordinate of its vertices
   std::optional<HoleTest> holes = std::nullopt;  ///< only if the material has holes
   Placement placement = {};                      ///< moving only
 };

@@ -28,8 +28,10 @@
 
 #include "stereo/frame/view.h"
 #include "stereo/tracer/block_groups.h"
-#include "stereo/tracer/light_proof.h"
+#include "stereo/tracer/lanes.h"
 #include "stereo/tracer/ray_scene.h"
+#include "stereo/tracer/shadow_light.h"
+#include "stereo/tracer/tile_surface.h"
 
 namespace farshade {
 
@@ -142,16 +144,15 @@ void see_group(const RayScene& scene, const SurfaceModel& model, const ViewRays&
 /// Counts of those covered pixels of a group that are asked for in one light.
 struct GroupRays {
   std::uint64_t traced = 0;
-  std::uint64_t proven = 0;  ///< lit, without a ray
   /// Dark, without a ray; counted by the first condition that holds.
   std::uint64_t out_of_range = 0, out_of_cone = 0, away = 0;
 
   GroupRays& operator+=(const GroupRays& b) {
-    traced += b.traced, proven += b.proven;
+    traced += b.traced;
     out_of_range += b.out_of_range, out_of_cone += b.out_of_cone, away += b.away;
     return *this;
   }
-  [[nodiscard]] std::uint64_t all() const { return traced + proven + out_of_range + out_of_cone + away; }
+  [[nodiscard]] std::uint64_t all() const { return traced + out_of_range + out_of_cone + away; }
 };
 
 /// The vectors from one packet's surfaces to the light, and the conditions of a set bit that need no ray.
@@ -265,22 +266,21 @@ inline std::uint32_t covered_in(BlockBits blocks, const TileSurface& surface) {
   return covered;
 }
 
-/// Sets `bit` in the words of those pixels of `blocks` that `light` reaches. Traces only rays whose result is
-/// not known in advance. `map` is the light's map, or null. `occluded(lanes, packet)` traces.
+/// Sets `bit` in the words of those pixels of `blocks` that `light` reaches. Traces only rays of pixels that
+/// face the light, in its range and cone. `occluded(lanes, packet)` traces.
 ///
 /// A packet whose lanes all need a ray is traced as it is. The rays of the other packets are gathered. This
 /// makes 5 % fewer packets for whole views of the living room, and 12 % fewer for edge blocks of room.glb.
 /// The core time of the latter falls by 1 to 2 %, and that of whole views does not change. If full packets
 /// were gathered too, the shadow stage would take 8 % longer.
 template <int K, class Surface, class Occluded>
-GroupRays shadow_group(const Surface& surface, BlockBits blocks, const ShadowLight& light,
-                       const LightVisibilityMap* map, std::uint32_t bit, std::uint32_t (&words)[kTilePixels],
-                       Occluded&& occluded) {
+GroupRays shadow_group(const Surface& surface, BlockBits blocks, const ShadowLight& light, std::uint32_t bit,
+                       std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   GatheredRays<K> gathered;
   set_constants(ray);
   set_constants(gathered.ray);
-  Ints<K> traced{}, known{}, too_far{}, beside{}, away{};
+  Ints<K> traced{}, too_far{}, beside{}, away{};
   for (int first = 0; first < surface.pixels; first += K) {
     if (!is_in(blocks, first)) continue;
     LightGeometry<K> to_light;
@@ -289,16 +289,8 @@ GroupRays shadow_group(const Surface& surface, BlockBits blocks, const ShadowLig
     too_far += to_light.covered & ~to_light.in_range;
     beside += near & ~to_light.in_cone;
     away += lit & ~to_light.faces;
-    Ints<K> needed = lit & to_light.faces;
+    const Ints<K> needed = lit & to_light.faces;
     if (first_of(needed) < 0) continue;
-    if (map != nullptr) {
-      Ints<K> proven;
-      prove<K>(*map, surface, first, needed, proven);
-      known += proven;
-      set_bit<K>(proven, bit, words + first);
-      needed &= ~proven;
-      if (first_of(needed) < 0) continue;
-    }
     traced += needed;
     aim(surface, first, light, to_light, ray);
     Lanes<K> lanes;
@@ -317,14 +309,7 @@ GroupRays shadow_group(const Surface& surface, BlockBits blocks, const ShadowLig
     set_bit<K>(needed & (met >= 0), bit, words + first);
   }
   if (gathered.count > 0) trace_gathered<K>(gathered, bit, words, occluded);
-  return {counted(traced), counted(known), counted(too_far), counted(beside), counted(away)};
-}
-
-/// Sets `bit` in the words of all covered pixels of `blocks`.
-inline GroupRays light_group(const TileSurface& surface, BlockBits blocks, std::uint32_t bit,
-                             std::uint32_t (&words)[kTilePixels]) {
-  for (int i = 0; i < surface.pixels; ++i) words[i] |= is_in(blocks, i) && surface.reach[i] > 0 ? bit : 0u;
-  return {.proven = covered_in(blocks, surface)};
+  return {counted(traced), counted(too_far), counted(beside), counted(away)};
 }
 
 /// The same as shadow_group, but traces a ray for every covered pixel of `blocks`.

@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -12,7 +11,6 @@
 #include "stereo/base/check.h"
 #include "stereo/tracer/block_groups.h"
 #include "stereo/tracer/placed_surface.h"
-#include "stereo/tracer/tile_bounds.h"
 #include "stereo/tracer/tile_stages.h"
 
 namespace farshade {
@@ -76,12 +74,8 @@ struct Tracer::Impl {
   SceneState state;  ///< with the lights as the scene has them: a request's changes are not kept
   SurfaceModel model;
   std::optional<RayScene> rays;
-  LightSet light_set;               ///< of the current request
-  std::vector<ShadowLight> lights;  ///< of light_set
-  std::vector<std::optional<LightVisibilityMap>>
-      maps;  ///< one per light; empty for lights that an animation moves
-  std::vector<const LightVisibilityMap*>
-      maps_in_use;                         ///< null for a light that is not where its map was made
+  LightSet light_set;                      ///< of the current request
+  std::vector<ShadowLight> lights;         ///< of light_set
   PerEye<std::vector<BlockGroup>> groups;  ///< the work list of the current request
 
   Impl(const Scene& traced, const TracePlan& requested, InstructionSet allowed)
@@ -91,14 +85,13 @@ struct Tracer::Impl {
         state(state_at(scene, Time{})),
         model(scene, state, plan) {}
 
-  void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);
   Duration prepare(const FrameRequest& request, ShadowFrame& frame);
   [[nodiscard]] std::uint64_t lights_on() const;
   [[nodiscard]] float reach() const;
   template <int K>
-  GroupRays shadow(const TileSurface& surface, const TileBounds& bounds, BlockBits blocks, std::size_t light,
-                   std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const;
+  GroupRays shadow(const TileSurface& surface, BlockBits blocks, std::size_t light, std::uint32_t bit,
+                   std::uint32_t (&words)[kTilePixels]) const;
   template <int K>
   GroupSums trace_group(const ViewRays& view, const BlockGroup& group, EyeMask& mask) const;
   template <int K>
@@ -124,52 +117,23 @@ void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
     state = state_at(scene, scene_time);
     if (model.fixed_count() < model.patches().size()) {
       model.place(state);
-      const auto place_in_map = [&](std::size_t i) {
-        if (maps[i]) maps[i]->place(model);
-      };
-      tbb::parallel_invoke([&] { rays->update(); },
-                           [&] { tbb::parallel_for(std::size_t{0}, maps.size(), place_in_map); });
+      rays->update();
     }
   }
   light_set = state.light_set;
   apply(changes, light_set);
   lights.clear();
   for (const Light& light : light_set.lights) lights.push_back(shadow_light(light, model));
-  maps_in_use.assign(lights.size(), nullptr);
-  for (std::size_t i = 0; i < maps.size(); ++i)
-    if (maps[i] && maps[i]->is_of(lights[i])) maps_in_use[i] = &*maps[i];
-}
-
-void Tracer::Impl::make_maps() {
-  const FacetPlanes planes = planes_of(model);
-  maps.resize(scene.lights.size());
-  tbb::parallel_for(std::size_t{0}, maps.size(), [&](std::size_t i) {
-    if (!scene.nodes[scene.lights[i].node].moving)
-      maps[i].emplace(shadow_light(state.light_set.lights[i], model), planes, model);
-  });
 }
 
 template <int K>
-GroupRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, BlockBits blocks,
-                               std::size_t light, std::uint32_t bit,
-                               std::uint32_t (&words)[kTilePixels]) const {
+GroupRays Tracer::Impl::shadow(const TileSurface& surface, BlockBits blocks, std::size_t light,
+                               std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const {
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
   if (!plan.skips_rays) return shadow_whole_group<K>(surface, blocks, lights[light], bit, words, occluded);
-  switch (verdict_on(bounds, lights[light], maps_in_use[light])) {
-    case TileVerdict::OutOfRange:
-      return {.out_of_range = covered_in(blocks, surface)};
-    case TileVerdict::OutOfCone:
-      return {.out_of_cone = covered_in(blocks, surface)};
-    case TileVerdict::TurnedAway:
-      return {.away = covered_in(blocks, surface)};
-    case TileVerdict::Lit:
-      return light_group(surface, blocks, bit, words);
-    case TileVerdict::Open:
-      break;
-  }
-  return shadow_group<K>(surface, blocks, lights[light], maps_in_use[light], bit, words, occluded);
+  return shadow_group<K>(surface, blocks, lights[light], bit, words, occluded);
 }
 
 /// The tile of a group that is a whole tile.
@@ -201,11 +165,9 @@ GroupSums Tracer::Impl::trace_group(const ViewRays& view, const BlockGroup& grou
   const Stopwatch watch;
   see_group<K>(*rays, model, view, group, surface);
   sums.primary = watch.elapsed();
-  const TileBounds bounds = plan.skips_rays ? bounds_of(surface) : TileBounds{};
   for_each_light(lights, group, mask,
                  [&](std::size_t light, BlockBits blocks, std::uint32_t bit, auto& words) {
-                   if (surface.covered > 0)
-                     sums.rays += shadow<K>(surface, bounds, blocks, light, bit, words);
+                   if (surface.covered > 0) sums.rays += shadow<K>(surface, blocks, light, bit, words);
                  });
   sums.shadow = watch.elapsed() - sums.primary;
   sums.primary_rays = pixels_of(group, view.size);
@@ -222,12 +184,11 @@ GroupSums Tracer::Impl::trace_group(const PlacedEye& eye, const BlockGroup& grou
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
-  for_each_light(
-      lights, group, mask, [&](std::size_t light, BlockBits blocks, std::uint32_t bit, auto& words) {
-        if (surface.covered > 0)
-          sums.rays +=
-              shadow_group<K>(surface, blocks, lights[light], maps_in_use[light], bit, words, occluded);
-      });
+  for_each_light(lights, group, mask,
+                 [&](std::size_t light, BlockBits blocks, std::uint32_t bit, auto& words) {
+                   if (surface.covered > 0)
+                     sums.rays += shadow_group<K>(surface, blocks, lights[light], bit, words, occluded);
+                 });
   sums.shadow = watch.elapsed() - sums.primary;
   return sums;
 }
@@ -348,8 +309,7 @@ TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, S
           .full_shadow_rays = sums.rays.all() * (same ? 2 : 1),
           .out_of_range = sums.rays.out_of_range,
           .out_of_cone = sums.rays.out_of_cone,
-          .turned_away = sums.rays.away,
-          .proven = sums.rays.proven};
+          .turned_away = sums.rays.away};
 }
 
 Expected<Tracer> Tracer::create(const Scene& scene, const TracePlan& plan, InstructionSet set) {
@@ -359,7 +319,6 @@ Expected<Tracer> Tracer::create(const Scene& scene, const TracePlan& plan, Instr
   auto rays = RayScene::create(impl->model);
   if (!rays) return tl::unexpected(rays.error());
   impl->rays.emplace(std::move(*rays));
-  if (plan.skips_rays) impl->make_maps();
   return Tracer(std::move(impl));
 }
 
@@ -428,13 +387,11 @@ MaskLayout Tracer::layout() const {
 
 TracerMemory Tracer::memory() const {
   const SurfaceModel& model = impl_->model;
-  TracerMemory memory{.vertices = model.positions().size_bytes() + model.normals().size_bytes(),
-                      .triangles = model.triangles().size_bytes(),
-                      .facets = model.facets().size_bytes(),
-                      .hierarchy = impl_->rays->bytes(),
-                      .hierarchy_peak = impl_->rays->peak_bytes()};
-  for (const std::optional<LightVisibilityMap>& map : impl_->maps) memory.maps += map ? map->bytes() : 0;
-  return memory;
+  return {.vertices = model.positions().size_bytes() + model.normals().size_bytes(),
+          .triangles = model.triangles().size_bytes(),
+          .facets = model.facets().size_bytes(),
+          .hierarchy = impl_->rays->bytes(),
+          .hierarchy_peak = impl_->rays->peak_bytes()};
 }
 
 }  // namespace farshade

@@ -37,7 +37,7 @@
 namespace farshade {
 
 struct TraceStats {
-  /// Wall time in which vertices, hierarchies and light maps were brought to the time of the request.
+  /// Wall time in which vertices and hierarchies were brought to the time of the request.
   Duration update{};
   /// Wall time of both eyes. The two stages of a tile run directly after one another, so the wall time is
   /// divided in proportion to the core time of each stage.
@@ -46,17 +46,16 @@ struct TraceStats {
   /// Shadow rays of a trace that skips nothing: for each light that is on, the covered pixels of the blocks
   /// that are asked for in this light, both eyes.
   std::uint64_t full_shadow_rays = 0;
-  /// Shadow rays that were skipped. The first three count dark pixel-lights, each by the first reason that
-  /// holds: beyond the light's range, outside of its cone, turned away from it. `proven` counts lit
-  /// pixel-lights where the light's map proves that nothing lies in between.
-  std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0, proven = 0;
+  /// Shadow rays that were skipped, each counted by the first reason that holds: the pixel is beyond the
+  /// light's range, outside of its cone, turned away from it.
+  std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0;
 
   TraceStats& operator+=(const TraceStats& more) {
     update += more.update, primary += more.primary, shadow += more.shadow;
     primary_rays += more.primary_rays, shadow_rays += more.shadow_rays;
     full_shadow_rays += more.full_shadow_rays;
     out_of_range += more.out_of_range, out_of_cone += more.out_of_cone;
-    turned_away += more.turned_away, proven += more.proven;
+    turned_away += more.turned_away;
     return *this;
   }
 };
@@ -81,9 +80,8 @@ class Tracer {
     return create(scene, plan_for(scene, {.all_lights = true}).trace);
   }
 
-  /// A tracer for the masks that others are compared with. It has no light maps and proves nothing: every
-  /// covered pixel sends a ray to every light that is on, whatever `plan` says. So a wrong proof cannot vouch
-  /// for itself.
+  /// A tracer for the masks that others are compared with: every covered pixel sends a ray to every light
+  /// that is on, whatever `plan` says. So a fault in what the tracer skips cannot vouch for itself.
   [[nodiscard]] static Expected<Tracer> create_reference(const Scene& scene, TracePlan plan) {
     plan.skips_rays = false;
     return create(scene, plan);

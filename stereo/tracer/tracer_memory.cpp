@@ -1,6 +1,6 @@
 #include "stereo/tracer/tracer_memory.h"
 
-#include "stereo/tracer/light_visibility_map.h"
+#include "stereo/tracer/surface_model.h"
 
 namespace farshade {
 namespace {
@@ -13,11 +13,6 @@ constexpr std::size_t kBuilding_bytes = 30;
 #else
 constexpr std::size_t kBuilding_bytes = 43;
 #endif
-
-std::size_t map_bytes(const LightSource& light) {
-  const std::size_t faces = light.kind == LightKind::Directional ? 1 : 6;
-  return faces * LightVisibilityMap::kSide * LightVisibilityMap::kSide * sizeof(LightVisibilityMap::Cell);
-}
 
 }  // namespace
 
@@ -34,8 +29,6 @@ TracerMemory estimated_memory(const Scene& scene, const TracePlan& plan) {
   memory.facets = triangles * sizeof(Facet);
   memory.hierarchy = triangles * kHierarchy_bytes;
   memory.hierarchy_peak = memory.hierarchy + fixed * kBuilding_bytes;
-  for (const LightSource& light : scene.lights)
-    if (plan.skips_rays && !scene.nodes[light.node].moving) memory.maps += map_bytes(light);
   return memory;
 }
 

@@ -15,12 +15,11 @@ struct TracerMemory {
   std::size_t facets = 0;          ///< normals and reaches of triangles
   std::size_t hierarchy = 0;       ///< acceleration structure: all memory that Embree holds
   std::size_t hierarchy_peak = 0;  ///< the most that Embree ever held
-  std::size_t maps = 0;            ///< light maps (light_visibility_map.h)
 
-  [[nodiscard]] std::size_t total() const { return vertices + triangles + facets + hierarchy + maps; }
-  /// The most at one time. There are no maps yet while the acceleration structure is built.
+  [[nodiscard]] std::size_t total() const { return vertices + triangles + facets + hierarchy; }
+  /// The most at one time.
   [[nodiscard]] std::size_t most() const {
-    return vertices + triangles + facets + std::max(hierarchy + maps, hierarchy_peak);
+    return vertices + triangles + facets + std::max(hierarchy, hierarchy_peak);
   }
 };
 

@@ -11,7 +11,7 @@
 // With --asked it compares traces of whole views with traces of edge blocks instead: the blocks with a pixel
 // whose bit differs from the bit of the pixel to the right or below. It traces them in all lights, and each
 // light's alone. It prints time, core time and rays of all three, and the rays a second of the shadow stage
-// and of the bare loop over its own packets (with its proofs).
+// and of the bare loop over its own packets.
 //
 // With --beside it traces both scenes at the times of R frames, 72 a second, in turns, and prints for each
 // what a frame takes: all of it, moving and deforming, primary and shadow stage.
@@ -49,10 +49,9 @@ StereoView eyes_of(const Scene& scene, std::uint32_t side) {
   return {eye(-0.032, 0.94, 0.70), eye(0.032, 0.70, 0.94)};
 }
 
-/// `maps` has one map per light, or is empty for a stage without proofs.
 template <int K>
 Packets<K> record(const SurfaceModel& model, const RayScene& rays, const FrameRequest& request,
-                  const std::vector<Light>& lights, const std::vector<LightVisibilityMap>& maps) {
+                  const std::vector<Light>& lights) {
   Packets<K> packets;
   const auto keep = [&](const Lanes<K>& lanes, const RayPacket<K>& ray) {
     packets.lanes.push_back(lanes);
@@ -66,10 +65,9 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const FrameRe
       see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group, surface);
       for (std::uint32_t i = 0; i < model_lights; ++i) {
         std::uint32_t words[kTilePixels]{};
-        const LightVisibilityMap* const map = maps.empty() ? nullptr : &maps[i];
-        packets.count += shadow_group<K>(surface, group.requested.of(i), shadow_light(lights[i], model), map,
-                                         1, words, keep)
-                             .traced;
+        packets.count +=
+            shadow_group<K>(surface, group.requested.of(i), shadow_light(lights[i], model), 1, words, keep)
+                .traced;
       }
     }
   }
@@ -106,13 +104,9 @@ struct Times {
   std::vector<double> primary, shadow, bare, ratio, cpu, plain_cpu, see_cpu, plain_shadow;
 };
 
-void print_construction(const TracerMemory& memory, double made_ms, double plain_ms) {
-  std::printf(
-      "made in %.1f ms of core time, of which maps took %.1f ms; maps %.2f MB of %.2f MB (peak of the "
-      "hierarchy %.2f "
-      "MB)\n",
-      made_ms, made_ms - plain_ms, static_cast<double>(memory.maps) / 1e6,
-      static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
+void print_construction(const TracerMemory& memory, double made_ms) {
+  std::printf("made in %.1f ms of core time; %.2f MB (peak of the hierarchy %.2f MB)\n", made_ms,
+              static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
 }
 
 template <int K>
@@ -122,9 +116,8 @@ void print_times(const StereoView& views, const TraceStats& stats, const Times& 
               views[0].size.height, static_cast<double>(stats.shadow_rays) / 1e6,
               static_cast<double>(stats.full_shadow_rays) / 1e6);
   print("primary stage", times.primary, stats.primary_rays);
-  std::printf("proven %.3f M, away %.3f M, range %.3f, cone %.3f\n", static_cast<double>(stats.proven) / 1e6,
-              static_cast<double>(stats.turned_away) / 1e6, static_cast<double>(stats.out_of_range) / 1e6,
-              static_cast<double>(stats.out_of_cone) / 1e6);
+  std::printf("away %.3f M, range %.3f, cone %.3f\n", static_cast<double>(stats.turned_away) / 1e6,
+              static_cast<double>(stats.out_of_range) / 1e6, static_cast<double>(stats.out_of_cone) / 1e6);
   print("shadow stage", times.shadow, stats.shadow_rays);
   print("core time, primary", times.see_cpu, stats.primary_rays);
   print("core time, every ray", times.plain_cpu, stats.full_shadow_rays);
@@ -142,17 +135,16 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   const RayScene rays = RayScene::create(model).value();
   FrameRequest request;
   request.views = views;
-  const Packets<K> same = record<K>(model, rays, request, state.light_set.lights, {});
+  const Packets<K> same = record<K>(model, rays, request, state.light_set.lights);
 
   Tracer tracer = Tracer::create(scene).value();
   ShadowFrame frame;
   TracePlan plain_plan = plan_for(scene, {.all_lights = true}).trace;
   plain_plan.skips_rays = false;
-  std::optional<Tracer> making, plain_made;
-  const double plain_ms = cpu_ms([&] { plain_made.emplace(Tracer::create(scene, plain_plan).value()); });
+  Tracer plain = Tracer::create(scene, plain_plan).value();
+  std::optional<Tracer> making;
   const double made_ms = cpu_ms([&] { making.emplace(Tracer::create(scene).value()); });
-  Tracer& plain = *plain_made;
-  print_construction(tracer.memory(), made_ms, plain_ms);
+  print_construction(tracer.memory(), made_ms);
   ShadowFrame plain_frame;
   TraceStats stats = tracer.trace(request, frame);
   plain.trace(request, plain_frame);
@@ -248,10 +240,6 @@ void compare_requested(const Scene& scene, const StereoView& views, int rounds) 
   const SceneState state = state_at(scene, Time{});
   const SurfaceModel model(scene, state, plan_for(scene, {.all_lights = true}).trace);
   const RayScene rays = RayScene::create(model).value();
-  const FacetPlanes planes = planes_of(model);
-  std::vector<LightVisibilityMap> maps;
-  for (const Light& light : state.light_set.lights)
-    maps.emplace_back(shadow_light(light, model), planes, model);
 
   Tracer tracer = Tracer::create(scene).value();
   Traced<K> whole{.what = "whole views"}, part{.what = "edge blocks in all lights"};
@@ -269,7 +257,7 @@ void compare_requested(const Scene& scene, const StereoView& views, int rounds) 
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], lights.request.requested.tiles[eye]);
   for (Traced<K>* const each : {&whole, &part, &lights})
-    each->packets = record<K>(model, rays, each->request, state.light_set.lights, maps);
+    each->packets = record<K>(model, rays, each->request, state.light_set.lights);
 
   std::vector<double> share;
   for (int round = 0; round < rounds; ++round) {

@@ -13,8 +13,8 @@
 namespace farshade {
 namespace {
 
-const View kLeft = look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
-const View kRight = look({0.2, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
+const View kLeftEye = look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
+const View kRightEye = look({0.2, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
 
 TracePlan needed_for(const Scene& scene) {
   return plan_for(scene, {.all_lights = true}).trace;
@@ -45,7 +45,7 @@ TraceStats expect_same_bits(const Scene& scene, const StereoView& views, Time ti
   EXPECT_EQ(culled.frame.masks, whole.frame.masks);
   EXPECT_EQ(whole.stats.shadow_rays, whole.stats.full_shadow_rays);
   const TraceStats& s = culled.stats;
-  EXPECT_EQ(s.shadow_rays + s.proven + s.turned_away + s.out_of_range + s.out_of_cone, s.full_shadow_rays);
+  EXPECT_EQ(s.shadow_rays + s.turned_away + s.out_of_range + s.out_of_cone, s.full_shadow_rays);
   return s;
 }
 
@@ -62,10 +62,7 @@ StereoView turned_eyes(const Scene& scene, double yaw_rad, std::uint32_t side) {
 
 TEST(TracerCulling, ChangesNoBitOfBoxOverPlane) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
-  for (const double yaw : {0.0, 0.4, -0.5}) {
-    const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, yaw, 256));
-    EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8) << "most of the plane is proved lit";
-  }
+  for (const double yaw : {0.0, 0.4, -0.5}) expect_same_bits(scene, turned_eyes(scene, yaw, 256));
 }
 
 TEST(TracerCulling, ChangesNoBitOfTheRoom) {
@@ -74,7 +71,7 @@ TEST(TracerCulling, ChangesNoBitOfTheRoom) {
     SCOPED_TRACE(i);
     const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, 1.3 * i, 256),
                                               time_from_ns(std::int64_t{i} * 1'300'000'000));
-    EXPECT_GT(stats.proven + stats.turned_away, 0u);
+    EXPECT_GT(stats.turned_away, 0u);
   }
 }
 
@@ -83,10 +80,7 @@ TEST(TracerCulling, ChangesNoBitOfTheSharedScenes) {
   for (const char* name : {"/modern_living_room.glb", "/pine_tree.glb"}) {
     SCOPED_TRACE(name);
     const Scene scene = load_scene(std::string(FARSHADE_SHARED_SCENES) + name).value();
-    for (const double yaw : {0.0, 1.9, -2.2}) {
-      const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, yaw, 256));
-      EXPECT_GT(stats.proven * 2, stats.full_shadow_rays);
-    }
+    for (const double yaw : {0.0, 1.9, -2.2}) expect_same_bits(scene, turned_eyes(scene, yaw, 256));
   }
 }
 #endif
@@ -95,7 +89,7 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
   const unsigned seed = 20261122;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
-  std::uint64_t proven = 0, all = 0;
+  std::uint64_t skipped = 0;
   for (int i = 0; i < (kSanitized ? 8 : 24); ++i) {
     SCOPED_TRACE(i);
     const Scene scene = random_soup(random);
@@ -104,9 +98,9 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
     const StereoView views{look(eye, {0.1, -0.8, 0}, 256),
                            look(eye + glm::dvec3(0, 0.06, 0), {0.1, -0.8, 0}, 256)};
     const TraceStats stats = expect_same_bits(scene, views, time_from_ns(std::int64_t{i} * 40'000'000));
-    proven += stats.proven, all += stats.full_shadow_rays;
+    skipped += stats.full_shadow_rays - stats.shadow_rays;
   }
-  EXPECT_GT(proven * 20, all) << "the proof is used";
+  EXPECT_GT(skipped, 0u);
 }
 
 const StereoView kInside{look({2, 1, 2}, {0, 0, 0}, 64), look({2, 1.1, 2}, {0, 0, 0}, 64)};
@@ -118,73 +112,19 @@ SceneBuilder hall() {
   return build;
 }
 
-TEST(TracerCulling, NothingIsTracedInAnEmptyHall) {
-  const TraceStats stats = expect_same_bits(hall().build(), kInside);
-  EXPECT_EQ(stats.proven + stats.shadow_rays, 2u * 64 * 64);
-  EXPECT_LE(stats.shadow_rays, 8u) << "only the edges are within rounding of two walls";
-}
-
-/// Two halves of a floor, one of them 40 u M higher. One slab for both would be so thick that rays start in
-/// it, and no point of the lower half would be proved lit.
-TEST(TracerCulling, AStepSmallerThanTheOffsetSparesMostRays) {
-  const float step = 40 * 4.0f / (1 << 24);
-  SceneBuilder build;
-  build.add(quad({-2, 0, 0}, {2, 0, 0}, {0, 0, -4}));
-  build.add(quad({2, step, 0}, {2, 0, 0}, {0, 0, -4}));
-  build.point_light({0.3, 2, 0.1});
-  const TraceStats stats = expect_same_bits(build.build(), {kLeft, kRight});
-  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 9);
-}
-
-/// A floor's middle, and its parts on both sides, with 2.2 times the largest coordinate. One plane for all
-/// would be so uncertain that no point of the middle would be proved lit.
-TEST(TracerCulling, PartsOfAFloorFarAsideSpareTheRaysOfItsMiddle) {
-  SceneBuilder build;
-  build.add(quad({0, 0, 0}, {1, 0, 0}, {0, 0, -1}));
-  for (const float x : {-1.6f, 1.6f}) build.add(quad({x, 0, 0}, {0.6f, 0, 0}, {0, 0, -1}));
-  build.point_light({0.3, 2, 0.1});
-  const StereoView views{look({0.1, 3, 0.2}, {0, 0, 0}, 64, 0.4), look({-0.1, 3, 0.2}, {0, 0, 0}, 64, 0.4)};
-  const TraceStats stats = expect_same_bits(build.build(), views);
-  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 9);
-}
-
-TEST(TracerCulling, RaysGoOnlyWhereABoxMayOcclude) {
-  SceneBuilder build = hall();
-  build.add(box({0.3f, -1, -0.2f}, {0.25f, 0.25f, 0.25f}));
-  const Scene scene = build.build();
-  const StereoView views{look({2, 1, 2}, {0.3, -1.5, -0.2}, 256), look({2, 1.1, 2}, {0.3, -1.5, -0.2}, 256)};
-  const TraceStats stats = expect_same_bits(scene, views);
-  std::uint64_t lit = 0;
-  for (const EyeMask& mask : traced(scene, views).masks)
-    for (const std::byte word : mask.bytes()) lit += word == std::byte{1} ? 1 : 0;
-  const std::uint64_t shadowed = stats.full_shadow_rays - stats.turned_away - lit;
-  EXPECT_GT(shadowed, 1000u);
-  EXPECT_GE(stats.shadow_rays, shadowed) << "shadowed pixels are never proved lit";
-  EXPECT_LT(stats.shadow_rays, 3 * shadowed);
-  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8);
-}
-
 TEST(TracerCulling, AMoverBetweenLightAndSurfaceCasts) {
   SceneBuilder build = hall();
   build.move(build.add(box({-2.5f, -1, -0.2f}, {0.25f, 0.25f, 0.25f})), {5, 0, 0});
   const Scene scene = build.build();
   Tracer tracer = Tracer::create(scene).value();
   ShadowFrame frame;
-  std::optional<std::uint64_t> proven_at_start;
   for (const int ms : {0, 300, 560, 900, 0}) {
     SCOPED_TRACE(ms);
     const Time time = time_from_ns(std::int64_t{ms} * 1'000'000);
-    const TraceStats stats = tracer.trace(request_for(kInside, time), frame);
+    tracer.trace(request_for(kInside, time), frame);
     TracePlan plan = needed_for(scene);
     plan.skips_rays = false;
     EXPECT_EQ(frame.masks, trace_by(plan, scene, kInside, time).frame.masks);
-    EXPECT_GT(stats.shadow_rays, 0u);
-    EXPECT_GT(stats.proven, stats.shadow_rays);
-    if (ms == 0) {
-      EXPECT_EQ(stats.proven, proven_at_start.value_or(stats.proven))
-          << "after the mover has gone, the proof succeeds again";
-      proven_at_start = stats.proven;
-    }
   }
 }
 
@@ -239,60 +179,23 @@ TEST(TracerCulling, AHollowMoverOfTwoPlatesCastsOnWhatIsInsideItsBox) {
   }
 }
 
-/// A plank of slivers, each 200 m long and 1 cm wide: too thin to have a plane in the light's map.
-TEST(TracerCulling, SliversWithoutAPlaneCast) {
-  SceneBuilder build;
-  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
-  std::vector<glm::vec3> corners;
-  for (int i = 0; i < 20; ++i) {
-    const float z = 0.01f * static_cast<float>(i);
-    for (const glm::vec3& corner : {glm::vec3(-100, 1, z + 0.01f),
-                                    {100, 1, z + 0.01f},
-                                    {100, 1, z},
-                                    {-100, 1, z + 0.01f},
-                                    {100, 1, z},
-                                    {-100, 1, z}})
-      corners.push_back(corner);
-  }
-  build.add(triangle_soup(corners));
-  build.point_light({0.2, 2, 0.3});
-  const TraceStats stats = expect_same_bits(build.build(), {kLeft, kRight});
-  EXPECT_GT(stats.proven * 2, stats.full_shadow_rays) << "the rest of the floor is proved lit";
-}
-
-TEST(TracerCulling, AMovedLightIsTracedUntilItIsBack) {
-  const Scene scene = hall().build();
-  Tracer tracer = Tracer::create(scene).value();
-  FrameRequest request = request_for(kInside);
-  ShadowFrame frame;
-  const TraceStats before = tracer.trace(request, frame);
-  change(request.lights, 0, true, LightPose{Point<Stage>{{0.4, 0.5, -0.2}}, {{0, -1, 0}}});
-  const TraceStats moved = tracer.trace(request, frame);
-  EXPECT_EQ(moved.proven, 0u);
-  EXPECT_EQ(moved.shadow_rays, before.proven + before.shadow_rays);
-  change(request.lights, 0, true, std::nullopt);
-  EXPECT_EQ(tracer.trace(request, frame).proven, before.proven);
-  EXPECT_GT(before.proven, 0u);
-}
-
-TEST(TracerCulling, ATurnedDirectionalLightIsTracedUntilItIsBack) {
+TEST(TracerCulling, ATurnedDirectionalLightCastsOtherShadows) {
   SceneBuilder build;
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.add(box({0, 1, 0}, {0.5f, 0.5f, 0.5f}));
   build.directional_light({0.3, -1, 0.2});
   const Scene scene = build.build();
   Tracer tracer = Tracer::create(scene).value(), reference = Tracer::create_reference(scene).value();
-  FrameRequest request = request_for({kLeft, kRight});
+  FrameRequest request = request_for({kLeftEye, kRightEye});
   change(request.lights, 0, true, LightPose{{}, {glm::normalize(glm::dvec3(-0.8, -1, 0.4))}});
   ShadowFrame frame, truth;
-  EXPECT_EQ(tracer.trace(request, frame).proven, 0u);
+  tracer.trace(request, frame);
   reference.trace(request, truth);
   EXPECT_EQ(frame.masks, truth.masks);
 }
 
-/// A directional light's map ends with the fixed meshes. A mover beyond them has no cell there, and shadows
-/// itself.
-TEST(TracerCulling, AMoverBesideADirectionalLightsMapShadowsItself) {
+/// A mover beyond the bounds of the fixed meshes.
+TEST(TracerCulling, AMoverBesideTheFixedMeshesShadowsItself) {
   SceneBuilder build;
   build.add(quad({0, 0, 0}, {1, 0, 0}, {0, 0, -1}));
   std::vector<glm::vec3> corners;
@@ -317,8 +220,7 @@ TEST(TracerCulling, AReferenceTracesEveryRay) {
     const TraceStats stats = tracer.trace(request_for(kInside), frame);
     EXPECT_GT(stats.shadow_rays, 0u);
     EXPECT_EQ(stats.shadow_rays, stats.full_shadow_rays);
-    EXPECT_EQ(stats.proven + stats.turned_away + stats.out_of_range + stats.out_of_cone, 0u);
-    EXPECT_EQ(tracer.memory().maps, 0u);
+    EXPECT_EQ(stats.turned_away + stats.out_of_range + stats.out_of_cone, 0u);
   }
 }
 
@@ -344,10 +246,7 @@ TEST(TracerMemory, IsByUse) {
   EXPECT_GT(needed.facets, 0u);
   EXPECT_GT(needed.hierarchy, 0u);
   EXPECT_GE(needed.hierarchy_peak, needed.hierarchy);
-  EXPECT_GT(needed.maps, 0u);
-  EXPECT_LT(needed.maps, 1u << 20);
   const TracerMemory everything = Tracer::create(scene, everything_for(scene)).value().memory();
-  EXPECT_EQ(everything.maps, 0u);
   EXPECT_GT(everything.hierarchy, needed.hierarchy);
 }
 
@@ -356,8 +255,8 @@ TEST(TracerCulling, EverythingTracesBothOfCoincidingViews) {
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.point_light({0, 2, 0});
   const Scene scene = build.build();
-  EXPECT_EQ(trace_by(everything_for(scene), scene, {kLeft, kLeft}).stats.primary_rays, 2u * 64 * 64);
-  EXPECT_EQ(trace_by(needed_for(scene), scene, {kLeft, kLeft}).stats.primary_rays, 64u * 64);
+  EXPECT_EQ(trace_by(everything_for(scene), scene, {kLeftEye, kLeftEye}).stats.primary_rays, 2u * 64 * 64);
+  EXPECT_EQ(trace_by(needed_for(scene), scene, {kLeftEye, kLeftEye}).stats.primary_rays, 64u * 64);
 }
 
 }  // namespace
