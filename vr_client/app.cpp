@@ -66,15 +66,11 @@ RunReportOptions report_options(const Options& options, std::uint32_t frames, Co
           .reference_every = options.reference_every,
           .pictures = options.pictures,
           .dump = options.dump,
-          .reference_samples = options.reference_samples,
           .compare = compare};
 }
 
 MaskPolicy policy_of(const Options& options, const Client& client) {
-  return {.pace = options.pace,
-          .delay = duration_from_ms(options.delay_ms),
-          .round_trip = client.round_trip,
-          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  return {.pace = options.pace, .delay = duration_from_ms(options.delay_ms), .round_trip = client.round_trip};
 }
 
 /// A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If

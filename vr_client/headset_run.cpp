@@ -38,7 +38,6 @@ class HeadsetReport {
                                      .reference_every = options.reference_every,
                                      .pictures = options.pictures,
                                      .dump = options.dump,
-                                     .reference_samples = options.reference_samples,
                                      .compare = Compare::AfterTheRun},
                     *client.renderer, client.reference.get());
   }
@@ -160,10 +159,8 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   return client;
 }
 
-MaskPolicy live_policy(const Options& options, const Client& client) {
-  return {.pace = Pace::Real,
-          .round_trip = client.round_trip,
-          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+MaskPolicy live_policy(const Client& client) {
+  return {.pace = Pace::Real, .round_trip = client.round_trip};
 }
 
 /// Runs the frame loop. A device that is lost or has no memory is an error like any other, so that what the
@@ -264,7 +261,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
-  const MaskPolicy policy = live_policy(options, client);
+  const MaskPolicy policy = live_policy(client);
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 

@@ -134,15 +134,8 @@ void add_mode_options(CLI::App& app, CommandLine& line) {
   app.add_option("--bitrate", line.video_megabits, "remote, delta: bit rate of the server's video, Mbit/s")
       ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
       ->capture_default_str();
-  app.add_option("--position-bits", mode.position_bits,
-                 "client-positions: bits per coordinate, which span the longest side of the scene")
-      ->check(within(kLeastPosition_bits, kMostPosition_bits))
-      ->capture_default_str();
   app.add_option("--shadow-maps", mode.shadow_maps.side_px, "local: width and height of a shadow map, pixels")
       ->check(within(kLeastMapSide_px, kMostMapSide_px))
-      ->capture_default_str();
-  app.add_option("--pcf", mode.shadow_maps.pcf_radius, "local: radius of percentage-closer filtering, texels")
-      ->check(within(0u, kMostPcfRadius))
       ->capture_default_str();
 }
 
@@ -152,9 +145,6 @@ void add_request_options(CLI::App& app, CommandLine& line) {
                   "virtual: show every frame and repeat exactly; real: skip frames that are too late");
   app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request until its masks are used")
       ->check(within(0, 500))
-      ->capture_default_str();
-  app.add_option("--mask-wait", options.mask_wait_ms, "ms that each frame waits for its own masks")
-      ->check(within(0, 1000))
       ->capture_default_str();
   add_words(app, "--predictor", options.request.predictor, predictors(),
             "how the client predicts the head pose at which masks will be used; hold: no prediction");
@@ -176,11 +166,6 @@ void add_reprojection_options(CLI::App& app, Reprojection& reprojection) {
   add_words<Lookup>(app, "--reprojection", reprojection.lookup,
                     {{"on", Lookup::Reproject}, {"off", Lookup::Direct}},
                     "off: show old masks without reprojection, as a baseline to compare with");
-  add_words<Eyes>(app, "--eyes", reprojection.eyes, {{"both", Eyes::Both}, {"this", Eyes::This}},
-                  "whose masks an eye may use: those of both eyes, or only its own");
-  add_words<Gaps>(app, "--gaps", reprojection.gaps,
-                  {{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}},
-                  "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown");
   add_words<Edges>(
       app, "--edges", reprojection.edges,
       {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}},
@@ -191,10 +176,6 @@ void add_reprojection_options(CLI::App& app, Reprojection& reprojection) {
 void add_output_options(CLI::App& app, Options& options) {
   app.add_option("--reference-every", options.reference_every,
                  "compare every Nth frame with a full trace; 0: never, measure run times only")
-      ->capture_default_str();
-  app.add_option("--reference-samples", options.reference_samples,
-                 "compare with a full trace of N x N samples a pixel, too, which has smooth edges")
-      ->check(within(1, 16))
       ->capture_default_str();
   app.add_option("--pictures", options.pictures, "number of frames whose pictures are written")
       ->capture_default_str();
@@ -218,8 +199,8 @@ void add_output_options(CLI::App& app, Options& options) {
       app.add_flag("--preview", options.preview,
                    "show the eyes in a window; mouse and keys, or --trace, move the head; F1 lists the keys");
   // A window runs on the machine's clock, and its viewer chooses what is measured and written.
-  for (const char* without_window : {"--clock", "--delay", "--pictures", "--dump", "--reference-every",
-                                     "--reference-samples", "--replay", "--json"})
+  for (const char* without_window :
+       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay", "--json"})
     app.get_option(without_window)->excludes(preview);
 }
 
@@ -274,12 +255,10 @@ void check_fetch(const Options& options) {
 
 /// A replay takes these options from its capture, or does not need them.
 constexpr std::array kNotInReplay{
-    "--trace-scale",  "--place",     "--stand",         "--size",        "--detail-px", "--frames",
-    "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
-    "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
-    "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
-    "--reprojection", "--eyes",      "--gaps",          "--edges",       "--xr",        "--xr-scale",
-    "--record-head",  "--mask-code"};
+    "--trace-scale",  "--place",  "--stand", "--size",      "--detail-px",   "--frames",   "--skip",
+    "--refresh",      "--server", "--key",   "--insecure",  "--net",         "--mode",     "--bitrate",
+    "--shadow-maps",  "--clock",  "--delay", "--predictor", "--guard-band",  "--ask",      "--mask-every",
+    "--reprojection", "--edges",  "--xr",    "--xr-scale",  "--record-head", "--mask-code"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",

@@ -58,11 +58,10 @@ struct Options {
   std::vector<double> path_mbit_s;  ///< that the network carries down, or down and up; empty: not stated
   ModeSettings mode;
   Pace pace = Pace::Virtual;
-  double delay_ms = 20, mask_wait_ms = 0;
+  double delay_ms = 20;
   RequestSettings request;
   Reprojection reprojection;
-  std::uint32_t reference_every = 1;    ///< 0 = never
-  std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
+  std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the timeline to this file

@@ -133,11 +133,7 @@ class Preview {
   }
   [[nodiscard]] ControlContext context() { return {lights_, runtime_.stage_from_head(), runtime_.player()}; }
 
-  [[nodiscard]] MaskPolicy policy() const {
-    return {.pace = Pace::Real,
-            .round_trip = client_.round_trip,
-            .mask_wait = duration_from_ms(options_.mask_wait_ms)};
-  }
+  [[nodiscard]] MaskPolicy policy() const { return {.pace = Pace::Real, .round_trip = client_.round_trip}; }
   [[nodiscard]] RunContext run_context() {
     return {.scene = client_.scene,
             .runtime = runtime_,

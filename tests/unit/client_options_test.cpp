@@ -94,9 +94,9 @@ TEST(ParseSize, RefusesEverythingElseAndStatesTheRange) {
 std::vector<std::string> every_option() {
   std::istringstream words(
       "--size 96x64 --frames 8 --skip 1.5 --refresh 90 --server [::1]:9 --mode full --clock real "
-      "--delay 35 --mask-wait 3 --pictures 2 --dump 3,5 --out there --place recorded "
+      "--delay 35 --pictures 2 --dump 3,5 --out there --place recorded "
       "--trace-scale 0.76 --reference-every 0 --predictor hold --guard-band off --mask-every 3 "
-      "--reprojection off --eyes this --gaps unknown --edges nearest --gpu llvm --validate");
+      "--reprojection off --edges nearest --gpu llvm --validate");
   return {std::istream_iterator<std::string>(words), {}};
 }
 
@@ -114,7 +114,6 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.mode.mode, Mode::Full);
   EXPECT_EQ(options.pace, Pace::Real);
   EXPECT_EQ(options.delay_ms, 35);
-  EXPECT_EQ(options.mask_wait_ms, 3);
   EXPECT_EQ(options.pictures, 2u);
   EXPECT_EQ(options.dump, (std::vector<std::uint32_t>{3, 5}));
   EXPECT_EQ(options.out, "there");
@@ -124,7 +123,7 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
   EXPECT_EQ(options.request.every, 3u);
-  EXPECT_EQ(options.reprojection, (Reprojection{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
+  EXPECT_EQ(options.reprojection, (Reprojection{.lookup = Lookup::Direct, .edges = Edges::Nearest}));
   EXPECT_EQ(options.device.name_contains, "llvm");
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
@@ -188,7 +187,7 @@ TEST(ReadOptions, ExitsWith0AfterHelp) {
   const Outcome help = read({"--help"});
   ASSERT_FALSE(help.options.has_value());
   EXPECT_EQ(help.options.error().status, 0);
-  EXPECT_NE(help.out.find("--mask-wait"), std::string::npos);
+  EXPECT_NE(help.out.find("--mask-every"), std::string::npos);
   EXPECT_NE(help.out.find("Examples:"), std::string::npos);
   EXPECT_EQ(help.errors, "");
 }
@@ -236,19 +235,14 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--refresh", "1e9"}, "--refresh"},
       {{"--delay", "501"}, "--delay"},
       {{"--delay", "nan"}, "--delay"},
-      {{"--mask-wait", "-1"}, "--mask-wait"},
-      {{"--mask-wait", "nan"}, "--mask-wait"},
       {{"--mode", "magic"}, "--mode"},
       {{"--bitrate", "0"}, "--bitrate"},
       {{"--bitrate", "nan"}, "--bitrate"},
-      {{"--position-bits", "7"}, "--position-bits"},
-      {{"--position-bits", "25"}, "--position-bits"},
       {{"--mask-code", "zstd"}, "--mask-code"},
       {{"--mask-code", "lz4", "--mode", "client-positions"}, "--mask-code"},
       {{"--mask-code", "lz4", "--ask", "unknown"}, "--ask"},
       {{"--mask-code", "lz4", "--record", "capture"}, "--record"},
       {{"--shadow-maps", "16"}, "--shadow-maps"},
-      {{"--pcf", "9"}, "--pcf"},
       {{"--mode", "delta", "--record", "capture"}, "--record"},
       {{"--mode", "server-gbuffer", "--dump", "3"}, "--dump"},
       {{"--clock", "wall"}, "--clock"},
@@ -265,8 +259,6 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--mask-every", "65"}, "--mask-every"},
       {{"--mask-every", "1.5"}, "--mask-every"},
       {{"--reprojection", "maybe"}, "--reprojection"},
-      {{"--eyes", "left"}, "--eyes"},
-      {{"--gaps", "lit"}, "--gaps"},
       {{"--edges", "soft"}, "--edges"},
       {{"--dump", "one"}, "--dump"},
       {{"--no-such-option"}, "--no-such-option"}};
@@ -287,13 +279,10 @@ TEST(ReadOptions, AcceptsEveryModeAndItsSettings) {
     EXPECT_EQ(read.options->mode, ModeSettings{.mode = mode.mode});
     EXPECT_EQ(name_of(mode.mode), mode.name);
   }
-  const Outcome set = read_more({"--mode", "remote", "--bitrate", "2.5", "--position-bits", "24",
-                                 "--shadow-maps", "512", "--pcf", "0"});
+  const Outcome set = read_more({"--mode", "remote", "--bitrate", "2.5", "--shadow-maps", "512"});
   ASSERT_TRUE(set.options.has_value()) << set.errors;
   EXPECT_EQ(set.options->mode.bits_per_second, 2'500'000u);
-  EXPECT_EQ(set.options->mode.position_bits, 24u);
   EXPECT_EQ(set.options->mode.shadow_maps.side_px, 512u);
-  EXPECT_EQ(set.options->mode.shadow_maps.pcf_radius, 0u);
 }
 
 TEST(ReadOptions, BlocksOfMasksAreAskedForAsAWhole) {
