@@ -2,7 +2,6 @@
 /// same surfaces.
 #include "vr_client/report/measure.h"
 #include "tests/golden/test_rig.h"
-#include "vr_client/report/reference_pictures.h"
 
 namespace farshade {
 namespace {

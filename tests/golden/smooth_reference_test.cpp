@@ -1,9 +1,10 @@
 /// The smooth reference is a picture with many pixels, averaged: the samples of its pixels are the centres of
 /// the pixels of a larger picture of the same views.
+#include "tests/support/smooth_reference.h"
 #include "stereo/gltf/gltf.h"
 #include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
-#include "vr_client/report/reference_pictures.h"
+#include "vr_client/report/measure.h"
 
 namespace farshade {
 namespace {

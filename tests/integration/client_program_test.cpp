@@ -594,12 +594,11 @@ std::size_t frames_of_a_run_with_dump() {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "local"},
                                 {"--clock", "real"},
-                                {"--size", "128x128"},
+                                {"--size", "384x384"},
                                 {"--frames", "5"},
                                 {"--refresh", kSanitized ? "1" : "2"},
                                 {"--dump", "2"},
                                 {"--pictures", "5"},
-                                {"--reference-samples", "4"},
                                 {"--out", folder.path().string()}});
   EXPECT_EQ(run.status, 0) << run.errors;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));

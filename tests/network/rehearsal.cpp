@@ -1,6 +1,7 @@
 #include "tests/network/rehearsal.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/smooth_reference.h"
 
 #include <malloc.h>
 
@@ -198,8 +199,7 @@ RunReportOptions measuring_of(const Play& play) {
           .frame_count = play.frames,
           .reference_every = play.reference_every,
           .pictures = 0,
-          .dump = {},
-          .reference_samples = play.reference_samples};
+          .dump = {}};
 }
 
 /// What the client does before a real clock begins.
@@ -259,6 +259,10 @@ Played play(const Play& play, const Network& network) {
     report.watch(view);
     const FrameRecord& record = report.log().records().back();
     if (play.watch) play.watch(view, record, record.errors ? &report.measured() : nullptr);
+    if (play.watch_smooth && record.errors && play.reference_samples > 1)
+      play.watch_smooth(
+          view, record, report.measured(),
+          smooth_reference(view.shown, view.state, play.reference_samples, renderer, *reference));
     played.frames.push_back(played_frame(view, clock, link, renderer));
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);

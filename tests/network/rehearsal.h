@@ -39,13 +39,17 @@ struct Play {
   double refresh_hz = 72;
   std::uint32_t frames = 72;
   std::uint32_t reference_every = 8;    ///< every Nth frame is compared with its reference; 0 = none
-  std::uint32_t reference_samples = 1;  ///< per side of a pixel
+  std::uint32_t reference_samples = 1;  ///< of the smooth reference, per side of a pixel; 1: there is none
   ModeSettings mode{};
   RequestSettings request{};
   Reprojection reprojection{};
   Duration mask_wait{};  ///< how long a frame waits for its own answer
   /// Called for each frame. The last argument is null for frames that are not compared.
   std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame*)> watch{};
+  /// Called after `watch` with each compared frame and its smooth reference, if there is one.
+  std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame&,
+                     const PerEye<Image<Rgb8>>& smooth)>
+      watch_smooth{};
   Duration skip{};  ///< skipped at the start of the recording
   SessionLimits limits{};
   const SceneLevels* levels = nullptr;  ///< the scene's levels of detail; null: full detail

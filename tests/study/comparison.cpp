@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stereo/image/codec.h"
+#include "stereo/image/difference.h"
 #include "stereo/metrics/flip.h"
 #include "stereo/metrics/heat_map.h"
 #include "stereo/metrics/pixels_per_degree.h"
@@ -10,19 +11,20 @@
 
 namespace farshade::study {
 
-void Comparison::add(const PerEye<View>& views, const MeasuredFrame& frame) {
-  if (!frame.smooth[0].pixels.empty()) add_smooth(views, frame);
+void Comparison::add(const MeasuredFrame& frame) {
   const double worse = std::max(mean(frame.flip[0]), mean(frame.flip[1]));
   if (worse > worst_flip_) worst_flip_ = worse, worst_ = {frame.shown, frame.reference, frame.flip};
 }
 
-void Comparison::add_smooth(const PerEye<View>& views, const MeasuredFrame& frame) {
-  double worse_flip = 0, worse_ssim = 1;
+void Comparison::add_smooth(const PerEye<View>& views, const PerEye<Image<Rgb8>>& shown,
+                            const PerEye<Image<Rgb8>>& smooth) {
+  double worse_psnr_db = kEqualPictures_dB, worse_flip = 0, worse_ssim = 1;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const Image<Rgb8>&shown = frame.shown[eye], &smooth = frame.smooth[eye];
-    worse_flip = std::max(worse_flip, mean(flip(smooth, shown, pixels_per_degree(views[eye]))));
-    worse_ssim = std::min(worse_ssim, ssim(smooth, shown));
+    worse_psnr_db = std::min(worse_psnr_db, psnr_db(shown[eye], smooth[eye]));
+    worse_flip = std::max(worse_flip, mean(flip(smooth[eye], shown[eye], pixels_per_degree(views[eye]))));
+    worse_ssim = std::min(worse_ssim, ssim(smooth[eye], shown[eye]));
   }
+  figures_.add(Group::Error, "smooth_psnr", worse_psnr_db, Worse::Low);
   figures_.add(Group::Error, "smooth_flip", worse_flip);
   figures_.add(Group::Error, "smooth_ssim", worse_ssim, Worse::Low);
 }

@@ -15,16 +15,18 @@ class Comparison {
   /// `figures` must outlive this.
   explicit Comparison(Figures& figures) : figures_(figures) {}
 
-  /// If the frame has a smooth reference, adds the figures `smooth_flip` and `smooth_ssim` of the frame's
-  /// worse eye; they may be of different eyes.
-  void add(const PerEye<View>& views, const MeasuredFrame& frame);
+  void add(const MeasuredFrame& frame);
+
+  /// Adds the figures `smooth_psnr`, `smooth_flip` and `smooth_ssim` of the frame's worse eye; they may be of
+  /// different eyes.
+  void add_smooth(const PerEye<View>& views, const PerEye<Image<Rgb8>>& shown,
+                  const PerEye<Image<Rgb8>>& smooth);
 
   /// Writes `{left,right}_{shown,reference,heat}.png` of the frame with the largest FLIP into an existing
   /// folder. Writes nothing if no frame was added.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& folder) const;
 
  private:
-  void add_smooth(const PerEye<View>& views, const MeasuredFrame& frame);
   struct Pictures {
     PerEye<Image<Rgb8>> shown, reference;
     PerEye<Image<float>> flip;

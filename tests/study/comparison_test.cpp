@@ -42,9 +42,7 @@ PerEye<View> views() {
 
 nlohmann::json errors_of(const PerEye<Image<Rgb8>>& shown) {
   Figures figures;
-  MeasuredFrame measured = frame(shown);
-  measured.smooth = measured.reference;
-  Comparison(figures).add(views(), measured);
+  Comparison(figures).add_smooth(views(), shown, {grey(128), grey(128)});
   return figures.json()["error"];
 }
 
@@ -52,9 +50,11 @@ TEST(Comparison, TellsTheWorseEyeAgainstSmoothEdges) {
   const nlohmann::json left = errors_of({with_square(), grey(128)}),
                        right = errors_of({grey(128), with_square()}),
                        none = errors_of({grey(128), grey(128)});
+  EXPECT_LT(left["smooth_psnr"]["median"], 15);
   EXPECT_GT(left["smooth_flip"]["median"], 0.05);
   EXPECT_LT(left["smooth_ssim"]["median"], 0.95);
   EXPECT_EQ(left, right);
+  EXPECT_EQ(none["smooth_psnr"]["median"], kEqualPictures_dB);
   EXPECT_EQ(none["smooth_flip"]["median"], 0.0);
   EXPECT_EQ(none["smooth_ssim"]["median"], 1.0);
 }
@@ -66,7 +66,7 @@ TEST(Comparison, WritesTheFrameWithTheLargestFlip) {
   ASSERT_TRUE(comparison.write(folder.path()));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "no frame was compared";
   for (const std::uint8_t level : std::initializer_list<std::uint8_t>{140, 255, 150})
-    comparison.add(views(), frame({grey(128), with_square(level)}));
+    comparison.add(frame({grey(128), with_square(level)}));
   ASSERT_TRUE(comparison.write(folder.path()));
   EXPECT_EQ(read_png(folder.path() / "left_shown.png").value(), grey(128));
   EXPECT_EQ(read_png(folder.path() / "right_shown.png").value(), with_square(255));

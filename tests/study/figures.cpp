@@ -51,7 +51,6 @@ void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   add("flip", &EyeErrors::flip, 1);
   add("ssim", &EyeErrors::ssim, 1, Worse::Low);
   add("other_surface", &EyeErrors::other_surface);
-  add("smooth_psnr", &EyeErrors::smooth_psnr_db, 1, Worse::Low);
   add("from_newest", &EyeErrors::newest, 100, Worse::Low);
   add("from_other_eye", &EyeErrors::other_eye);
   add("from_older", &EyeErrors::older);

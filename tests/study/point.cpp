@@ -13,8 +13,12 @@ Expected<nlohmann::json> measure_point(Play play_settings, const Network& networ
                                        const std::filesystem::path& pictures) {
   Figures figures;
   Comparison comparison(figures);
-  play_settings.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame* measured) {
-    if (measured != nullptr && !record.start_up) comparison.add(view.shown.views, *measured);
+  play_settings.watch = [&](const FrameView&, const FrameRecord& record, const MeasuredFrame* measured) {
+    if (measured != nullptr && !record.start_up) comparison.add(*measured);
+  };
+  play_settings.watch_smooth = [&](const FrameView& view, const FrameRecord& record,
+                                   const MeasuredFrame& measured, const PerEye<Image<Rgb8>>& smooth) {
+    if (!record.start_up) comparison.add_smooth(view.shown.views, measured.shown, smooth);
   };
   const Played played = play(play_settings, network);
   add_errors(played, 0, figures);

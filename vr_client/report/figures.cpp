@@ -233,9 +233,6 @@ std::vector<Figure> picture_figures(Side side) {
                            double (*get)(const EyeErrors&)) {
     return error(side, {"", name, "%", meaning, ""}, printed_in, Worse::High, get);
   };
-  const auto psnr = [&](const char* name, const char* meaning, double (*get)(const EyeErrors&)) {
-    return error(side, {"", name, "dB", meaning, ""}, kAll, Worse::Low, get);
-  };
   return {percent("mask error", kDraws,
                   "The mean of |visibility shown - visibility in the reference| over covered pixels x "
                   "lights. Not in modes that show a picture of the server.",
@@ -246,11 +243,10 @@ std::vector<Figure> picture_figures(Side side) {
           percent("mask error unreprojected", kInFilesOnly,
                   "The mask error if the newest mask were shown without reprojection.",
                   [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }),
-          psnr("PSNR", "Of the shown sRGB picture against the reference picture; 99 dB: equal pictures.",
-               [](const EyeErrors& e) { return e.psnr_db; }),
-          psnr("PSNR to smooth edges",
-               "The same against a reference with N x N samples a pixel (--reference-samples N).",
-               [](const EyeErrors& e) { return e.smooth_psnr_db; }),
+          error(side,
+                {"", "PSNR", "dB",
+                 "Of the shown sRGB picture against the reference picture; 99 dB: equal pictures.", ""},
+                kAll, Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }),
           error(side,
                 {"", "FLIP", "",
                  "The mean FLIP of the shown picture against the reference picture: what a viewer sees who "

@@ -11,7 +11,6 @@
 #include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/metrics/ssim.h"
 #include "stereo/raster/frame_data.h"
-#include "vr_client/report/reference_pictures.h"
 
 namespace farshade {
 namespace {
@@ -153,14 +152,22 @@ FrameToMeasure read_back(const FrameView& view, Renderer& renderer) {
   return frame;
 }
 
-PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& reference, MeasuredFrame& into,
-                          std::uint32_t samples) {
+PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state, const TracedMask& traced,
+                                Renderer& renderer) {
+  renderer.draw({.views = shown.views,
+                 .state = state,
+                 .masks = {&traced, 1},
+                 .reprojection = {.lookup = Lookup::Direct},
+                 .detail = Detail::Full});
+  return renderer.read_shown();
+}
+
+PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& reference,
+                          MeasuredFrame& into) {
   into.frame = frame.shown.frame;
   into.ages = std::move(frame.ages);
   into.report = std::move(frame.report);
   into.shown = std::move(frame.pictures);
-  into.smooth = samples > 1 ? smooth_reference(frame.shown, frame.state, samples, renderer, reference)
-                            : PerEye<Image<Rgb8>>{};
   const TracedMask truth = reference.trace(frame.shown);
   into.reference = draw_traced(frame.shown, frame.state, truth, renderer);
   const PerEye<Image<float>> drawn = renderer.read_distance(), traced = reference.distances(frame.shown);
@@ -176,8 +183,6 @@ PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& r
     errors[eye].flip = mean(into.flip[eye]);
     errors[eye].ssim = ssim(into.shown[eye], into.reference[eye]);
     errors[eye].other_surface = other_surface_share(drawn[eye], traced[eye]);
-    if (samples > 1)
-      errors[eye].smooth_psnr_db = std::min(psnr_db(into.shown[eye], into.smooth[eye]), kEqualPictures_dB);
     if (frame.newest[eye].size().pixels() == 0) return;
     errors[eye].unmoved_error =
         unmoved_error(frame.newest[eye], grid_offset_px(frame.shown.views[eye], frame.traced[eye]),
@@ -187,8 +192,8 @@ PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& r
 }
 
 PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
-                          MeasuredFrame& into, std::uint32_t samples) {
-  return measure(read_back(view, renderer), renderer, reference, into, samples);
+                          MeasuredFrame& into) {
+  return measure(read_back(view, renderer), renderer, reference, into);
 }
 
 }  // namespace farshade

@@ -31,7 +31,6 @@ struct EyeErrors {
   std::optional<double> unmoved_error;  ///< mask error of the newest mask if it is not reprojected
   /// Share of the eye's pixels that show a surface: of these, all others are shares.
   double covered = kNotMeasured;
-  double smooth_psnr_db = kNotMeasured;  ///< of the shown picture, against the smooth reference
   /// Share of the eye's pixels in which the rasteriser, in full detail, and the reference tracer's own rays
   /// see another surface (other_surface_share).
   double other_surface = kNotMeasured;
@@ -54,9 +53,8 @@ struct EyeErrors {
 struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
-  PerEye<Image<Rgb8>> smooth{};  ///< the smooth reference; empty if there was none
-  PerEye<Image<float>> flip{};   ///< of each pixel of `shown`, against `reference`
-  PerEye<ShownReport> report;    ///< empty if the client did not shade the frame
+  PerEye<Image<float>> flip{};  ///< of each pixel of `shown`, against `reference`
+  PerEye<ShownReport> report;   ///< empty if the client did not shade the frame
   MaskAges ages;
 };
 
@@ -87,13 +85,17 @@ struct FrameToMeasure {
 /// Call it before the next frame is drawn. The frame must have been drawn with PixelReport::On.
 [[nodiscard]] FrameToMeasure read_back(const FrameView& view, Renderer& renderer);
 
-/// Stores the shown frame and its reference in `into` and returns the errors. With `samples` > 1, the smooth
-/// reference has so many samples per side of a pixel. Afterwards the renderer holds the reference's picture.
+/// The picture of `traced`, which was traced for the views of `shown`, in full detail.
+[[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state,
+                                              const TracedMask& traced, Renderer& renderer);
+
+/// Stores the shown frame and its reference in `into` and returns the errors. Afterwards the renderer holds
+/// the reference's picture.
 [[nodiscard]] PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& reference,
-                                        MeasuredFrame& into, std::uint32_t samples = 1);
+                                        MeasuredFrame& into);
 
 /// The same for a frame that was just drawn.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
-                                        MeasuredFrame& into, std::uint32_t samples = 1);
+                                        MeasuredFrame& into);
 
 }  // namespace farshade

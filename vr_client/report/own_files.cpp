@@ -28,7 +28,7 @@ Expected<void> remove_matching(const fs::path& folder, const std::regex& own) {
 Expected<void> remove_own_files(const fs::path& folder) {
   static const std::regex of_run(
       "summary\\.(csv|json)|frames\\.csv|worst\\.png|frame_\\d{4,}_(left|right)\\.png|"
-      "worst_\\d{4,}_(left|right)_(shown|reference|difference_x8|source|smooth)\\.png");
+      "worst_\\d{4,}_(left|right)_(shown|reference|difference_x8|source)\\.png");
   static const std::regex of_dump(
       "views\\.json|(left|right)_(mask_traced|mask_shown|source|shown|reference)\\.png|"
       "(left|right)_(lookup_x|lookup_y|distance)\\.pfm");

@@ -46,8 +46,6 @@ Expected<void> write_measured(const std::filesystem::path& folder, const Measure
     if (!frame.report[eye].sources.empty())
       parts.push_back({"source", "green: newest mask; colours: other masks",
                        source_picture(frame.report[eye], frame.ages, shown.size)});
-    if (!frame.smooth[eye].pixels.empty())
-      parts.push_back({"smooth", "many rays a pixel", frame.smooth[eye]});
     rows.emplace_back();
     for (Part& part : parts) {
       const std::string name =
@@ -165,8 +163,7 @@ void RunReport::keep(Taken taken) {
 }
 
 void RunReport::compare(Taken taken) {
-  const PerEye<EyeErrors> errors =
-      measure(std::move(taken.frame), renderer_, *reference_, current_, options_.reference_samples);
+  const PerEye<EyeErrors> errors = measure(std::move(taken.frame), renderer_, *reference_, current_);
   log_.set_errors(taken.record, errors);
   if (taken.dump && !failed_) keep(write_dump(options_.out / "dump", *taken.dump, current_));
   const double error = badness(errors[0]) + badness(errors[1]);

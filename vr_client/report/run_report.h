@@ -15,8 +15,8 @@ namespace farshade {
 [[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
                                          const PerEye<Image<Rgb8>>& shown);
 
-/// `worst_NNNN_EYE_{shown,reference,difference_x8,source,smooth}.png`, and `worst.png` with all of them in
-/// one row per eye. The source picture needs a report, the smooth one a smooth reference.
+/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, and `worst.png` with all of them in
+/// one row per eye. The source picture needs a report.
 [[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
 
 /// When frames are compared with their references.
@@ -33,7 +33,6 @@ struct RunReportOptions {
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
-  std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
   Compare compare = Compare::AtOnce;
 
   /// True if the shading pass must report, because frames will be measured.

@@ -29,7 +29,7 @@ TEST(RemoveOwnFiles, RemovesThoseOfARunAndNothingElse) {
                                      "frames.csv",
                                      "worst.png",
                                      "worst_0012_left_difference_x8.png",
-                                     "worst_12345_right_smooth.png",
+                                     "worst_12345_right_source.png",
                                      "frame_0012_right.png",
                                      "dump/frame_0010/views.json",
                                      "dump/frame_0010/left_lookup_x.pfm",

@@ -44,18 +44,14 @@ TEST(WriteMeasured, WritesEveryPictureItPromises) {
   EXPECT_EQ(sheet.at(0, 2 * line + 6), Rgb8(20)) << "the right eye is below";
 }
 
-TEST(WriteMeasured, WritesTheSmoothReferenceIfThereIsOne) {
+TEST(WriteMeasured, HasNoSourcePictureWithoutAReport) {
   const ScratchFolder folder;
   const Extent size{5, 4};
   const PerEye<Image<Rgb8>> shown{Image<Rgb8>(size, Rgb8(10)), Image<Rgb8>(size, Rgb8(20))};
-  const PerEye<Image<Rgb8>> smooth{Image<Rgb8>(size, Rgb8(30)), Image<Rgb8>(size, Rgb8(40))};
-  const MeasuredFrame frame{
-      .frame = {12}, .shown = shown, .reference = shown, .smooth = smooth, .report = {}, .ages = {}};
+  const MeasuredFrame frame{.frame = {12}, .shown = shown, .reference = shown, .report = {}, .ages = {}};
   ASSERT_TRUE(write_measured(folder.path(), frame).has_value());
-  EXPECT_EQ(*read_png(folder.path() / "worst_0012_left_smooth.png"), smooth[0]);
-  EXPECT_EQ(*read_png(folder.path() / "worst_0012_right_smooth.png"), smooth[1]);
-  const Image<Rgb8> sheet = *read_png(folder.path() / "worst.png");
-  EXPECT_EQ(sheet.at(3 * 7, sheet.size.height - 1), Rgb8(40)) << "the last column, without a source";
+  EXPECT_FALSE(read_png(folder.path() / "worst_0012_left_source.png").has_value());
+  EXPECT_EQ(read_png(folder.path() / "worst.png")->size.width, 3 * 5 + 2 * 2u);
 }
 
 /// The ink of a label, as text of '#' and ' '.

@@ -1,8 +1,10 @@
-#include "vr_client/report/reference_pictures.h"
+#include "tests/support/smooth_reference.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "vr_client/report/measure.h"
 
 namespace farshade {
 namespace {
@@ -33,16 +35,6 @@ View shifted(const View& view, glm::dvec2 offset_px) {
   moved.fov = {std::atan(window.left_tan + right), std::atan(window.right_tan + right),
                std::atan(window.up_tan - down), std::atan(window.down_tan - down)};
   return moved;
-}
-
-PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state, const TracedMask& traced,
-                                Renderer& renderer) {
-  renderer.draw({.views = shown.views,
-                 .state = state,
-                 .masks = {&traced, 1},
-                 .reprojection = {.lookup = Lookup::Direct},
-                 .detail = Detail::Full});
-  return renderer.read_shown();
 }
 
 PerEye<Image<Rgb8>> smooth_reference(const FrameRequest& shown, const SceneState& state, std::uint32_t side,

@@ -1,5 +1,5 @@
-/// Reference pictures: a full trace with one sample a pixel, or with several, whose edges are not steps. A
-/// picture with one sample a pixel differs from the latter at every edge, because it is jagged there.
+/// The smooth reference: a full trace with several samples a pixel, whose edges are not steps. A picture with
+/// one sample a pixel differs from it at every edge, because it is jagged there.
 #pragma once
 
 #include "stereo/draw/renderer.h"
@@ -7,10 +7,6 @@
 #include "vr_client/frame/reference.h"
 
 namespace farshade {
-
-/// The picture of `traced`, which was traced for the views of `shown`, in full detail.
-[[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state,
-                                              const TracedMask& traced, Renderer& renderer);
 
 /// The mean, in linear light, of `side` x `side` pictures of the views of `shown` in full detail, each
 /// shifted by a part of a pixel: sample (i, j) of a pixel lies at ((i + 0.5) / side, (j + 0.5) / side).
