@@ -12,13 +12,13 @@
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/metrics/flip.h"
-#include "stereo/metrics/heat_map.h"
 #include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/metrics/ssim.h"
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/pose_delta_rows.h"
 #include "tests/golden/reproject_reference.h"
 #include "tests/golden/test_rig.h"
+#include "tests/support/heat_map.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -5,9 +5,9 @@
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/metrics/flip.h"
-#include "stereo/metrics/heat_map.h"
 #include "stereo/metrics/pixels_per_degree.h"
 #include "stereo/metrics/ssim.h"
+#include "tests/support/heat_map.h"
 
 namespace farshade::study {
 

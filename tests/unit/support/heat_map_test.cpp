@@ -1,4 +1,4 @@
-#include "stereo/metrics/heat_map.h"
+#include "tests/support/heat_map.h"
 
 #include <gtest/gtest.h>
 
