@@ -88,6 +88,91 @@ vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::P
   return pipeline;
 }
 
+namespace {
+
+/// The streams of a pipeline as Vulkan describes them. `info` points into it.
+struct VertexInput {
+  explicit VertexInput(std::span<const VertexStream> streams) {
+    for (const VertexStream& stream : streams) {
+      const auto binding = narrow<std::uint32_t>(bindings.size());
+      bindings.push_back({binding, stream.stride, vk::VertexInputRate::eVertex});
+      attributes.push_back({stream.location, binding, stream.format, 0});
+    }
+  }
+  [[nodiscard]] vk::PipelineVertexInputStateCreateInfo info() const {
+    return {.vertexBindingDescriptionCount = narrow<std::uint32_t>(bindings.size()),
+            .pVertexBindingDescriptions = bindings.data(),
+            .vertexAttributeDescriptionCount = narrow<std::uint32_t>(attributes.size()),
+            .pVertexAttributeDescriptions = attributes.data()};
+  }
+
+  std::vector<vk::VertexInputBindingDescription> bindings;
+  std::vector<vk::VertexInputAttributeDescription> attributes;
+};
+
+constexpr vk::PipelineInputAssemblyStateCreateInfo kTriangles{.topology =
+                                                                  vk::PrimitiveTopology::eTriangleList};
+constexpr vk::PipelineViewportStateCreateInfo kOneViewport{.viewportCount = 1, .scissorCount = 1};
+constexpr vk::PipelineRasterizationStateCreateInfo kFilled{.polygonMode = vk::PolygonMode::eFill,
+                                                           .lineWidth = 1};
+constexpr vk::PipelineMultisampleStateCreateInfo kOneSample{.rasterizationSamples =
+                                                                vk::SampleCountFlagBits::e1};
+constexpr vk::ColorComponentFlags kAllComponents =
+    vk::ColorComponentFlagBits::eR | vk::ColorComponentFlagBits::eG | vk::ColorComponentFlagBits::eB |
+    vk::ColorComponentFlagBits::eA;
+
+}  // namespace
+
+vk::raii::Pipeline make_graphics_pipeline(const Device& device, const vk::raii::PipelineLayout& layout,
+                                          const GraphicsPipeline& wanted, const std::string& name) {
+  const Specialization specialization(wanted.constants);
+  const vk::SpecializationInfo constants = specialization.info();
+  const vk::raii::ShaderModule vertex = make_shader(device, wanted.vertex, name);
+  std::vector<vk::PipelineShaderStageCreateInfo> stages{
+      {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"}};
+  vk::raii::ShaderModule fragment{nullptr};
+  if (!wanted.fragment.empty()) {
+    fragment = make_shader(device, wanted.fragment, name);
+    stages.push_back({.stage = vk::ShaderStageFlagBits::eFragment,
+                      .module = *fragment,
+                      .pName = "main",
+                      .pSpecializationInfo = &constants});
+  }
+  const VertexInput input(wanted.streams);
+  const vk::PipelineVertexInputStateCreateInfo vertices = input.info();
+  const bool has_depth = wanted.depth != vk::Format::eUndefined;
+  const vk::PipelineDepthStencilStateCreateInfo depth{
+      .depthTestEnable = has_depth, .depthWriteEnable = has_depth, .depthCompareOp = wanted.depth_test};
+  const bool writes_colors = wanted.writes == GraphicsPipeline::Writes::Colors;
+  const std::vector<vk::PipelineColorBlendAttachmentState> colors(
+      wanted.colors.size(), {.colorWriteMask = writes_colors ? kAllComponents : vk::ColorComponentFlags{}});
+  const auto color_count = narrow<std::uint32_t>(colors.size());
+  const vk::PipelineColorBlendStateCreateInfo blend{.attachmentCount = color_count,
+                                                    .pAttachments = colors.data()};
+  const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = color_count,
+                                                  .pColorAttachmentFormats = wanted.colors.data(),
+                                                  .depthAttachmentFormat = wanted.depth};
+  std::vector<vk::DynamicState> dynamics{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
+  dynamics.insert(dynamics.end(), wanted.dynamic.begin(), wanted.dynamic.end());
+  const vk::PipelineDynamicStateCreateInfo dynamic{
+      .dynamicStateCount = narrow<std::uint32_t>(dynamics.size()), .pDynamicStates = dynamics.data()};
+  auto pipeline = device.logical.createGraphicsPipeline(device.pipelines,
+                                                        {.pNext = &rendering,
+                                                         .stageCount = narrow<std::uint32_t>(stages.size()),
+                                                         .pStages = stages.data(),
+                                                         .pVertexInputState = &vertices,
+                                                         .pInputAssemblyState = &kTriangles,
+                                                         .pViewportState = &kOneViewport,
+                                                         .pRasterizationState = &kFilled,
+                                                         .pMultisampleState = &kOneSample,
+                                                         .pDepthStencilState = &depth,
+                                                         .pColorBlendState = &blend,
+                                                         .pDynamicState = &dynamic,
+                                                         .layout = *layout});
+  set_name(device, pipeline, name);
+  return pipeline;
+}
+
 Timestamps::Timestamps(const Device& device, std::uint32_t count)
     : pool_(device.logical.createQueryPool({.queryType = vk::QueryType::eTimestamp, .queryCount = count})),
       count_(count),

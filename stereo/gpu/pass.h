@@ -1,5 +1,4 @@
-/// Building blocks of passes: shaders, descriptor bindings, specialisation constants, compute pipelines,
-/// timestamps.
+/// Building blocks of passes: shaders, descriptor bindings, specialisation constants, pipelines, timestamps.
 #pragma once
 
 #include <span>
@@ -61,6 +60,30 @@ struct Specialization {
                                                        const vk::raii::ShaderModule& shader,
                                                        const Specialization& specialization,
                                                        const std::string& name);
+
+/// A vertex stream. Each is a binding of its own, numbered in the order of GraphicsPipeline::streams.
+struct VertexStream {
+  std::uint32_t location;
+  vk::Format format;
+  std::uint32_t stride;  ///< bytes
+};
+
+/// What differs between graphics pipelines. All of them fill triangles with one sample a pixel, without
+/// blending, in one viewport. Viewport and scissor are dynamic.
+struct GraphicsPipeline {
+  std::span<const std::uint32_t> vertex, fragment{};  ///< SPIR-V; `fragment` may be empty: writes depth only
+  std::vector<std::uint32_t> constants{};             ///< of the fragment shader (Specialization)
+  std::vector<VertexStream> streams{};
+  std::vector<vk::Format> colors{};  ///< of the colour attachments
+  enum class Writes : std::uint8_t { Colors, DepthOnly } writes = Writes::Colors;
+  vk::Format depth = vk::Format::eUndefined;           ///< of the depth attachment; eUndefined: there is none
+  vk::CompareOp depth_test = vk::CompareOp::eGreater;  ///< what passes is written
+  std::vector<vk::DynamicState> dynamic{};             ///< besides viewport and scissor
+};
+[[nodiscard]] vk::raii::Pipeline make_graphics_pipeline(const Device& device,
+                                                        const vk::raii::PipelineLayout& layout,
+                                                        const GraphicsPipeline& wanted,
+                                                        const std::string& name);
 
 /// The ticks between two timestamps of a queue whose timestamps have `bits` valid bits. The counter may have
 /// begun anew between them.

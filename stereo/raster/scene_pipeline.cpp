@@ -20,7 +20,6 @@
 #include "shaders/gbuffer_uv_color.frag.spv.h"
 #include "shaders/gbuffer_uv_color.vert.spv.h"
 #include "shaders/hidden.vert.spv.h"
-#include "stereo/plan/plan_masks.h"
 
 namespace farshade {
 namespace {
@@ -43,74 +42,18 @@ Shaders shaders_of(Outputs outputs, bool textured, bool colored) {
   return outputs == Outputs::GBuffer ? gbuffer[streams] : depth[streams];
 }
 
-/// The vertex streams that a pipeline reads. Each is a binding of its own.
-class VertexStreams {
- public:
-  VertexStreams(Outputs outputs, SceneVariant variant) {
-    add(0, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3));
-    if (outputs == Outputs::GBuffer) add(1, vk::Format::eR16G16Snorm, 2 * sizeof(std::int16_t));
-    if (variant.textured) add(2, vk::Format::eR32G32Sfloat, sizeof(glm::vec2));
-    if (variant.colored) add(3, vk::Format::eR8G8B8A8Unorm, sizeof(glm::u8vec4));
-  }
-  [[nodiscard]] vk::PipelineVertexInputStateCreateInfo info() const {
-    return {.vertexBindingDescriptionCount = count_,
-            .pVertexBindingDescriptions = bindings_.data(),
-            .vertexAttributeDescriptionCount = count_,
-            .pVertexAttributeDescriptions = attributes_.data()};
-  }
+/// The vertex streams that a pipeline reads.
+std::vector<gpu::VertexStream> streams_of(Outputs outputs, SceneVariant variant) {
+  std::vector<gpu::VertexStream> streams{{0, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3)}};
+  if (outputs == Outputs::GBuffer) streams.push_back({1, vk::Format::eR16G16Snorm, 2 * sizeof(std::int16_t)});
+  if (variant.textured) streams.push_back({2, vk::Format::eR32G32Sfloat, sizeof(glm::vec2)});
+  if (variant.colored) streams.push_back({3, vk::Format::eR8G8B8A8Unorm, sizeof(glm::u8vec4)});
+  return streams;
+}
 
- private:
-  void add(std::uint32_t location, vk::Format format, std::uint32_t stride) {
-    bindings_[count_] = {count_, stride, vk::VertexInputRate::eVertex};
-    attributes_[count_] = {location, count_, format, 0};
-    ++count_;
-  }
-
-  std::array<vk::VertexInputBindingDescription, 4> bindings_;
-  std::array<vk::VertexInputAttributeDescription, 4> attributes_;
-  std::uint32_t count_ = 0;
-};
-
-constexpr vk::PipelineInputAssemblyStateCreateInfo kTriangles{.topology =
-                                                                  vk::PrimitiveTopology::eTriangleList};
-constexpr vk::PipelineViewportStateCreateInfo kOneViewport{.viewportCount = 1, .scissorCount = 1};
-constexpr vk::PipelineRasterizationStateCreateInfo kFilled{.polygonMode = vk::PolygonMode::eFill,
-                                                           .lineWidth = 1};
-constexpr vk::PipelineMultisampleStateCreateInfo kOneSample{.rasterizationSamples =
-                                                                vk::SampleCountFlagBits::e1};
-/// Depth is near / distance, so that a greater depth is nearer.
-constexpr vk::PipelineDepthStencilStateCreateInfo kNearestWins{
-    .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eGreater};
-constexpr vk::PipelineDepthStencilStateCreateInfo kLastWins{
-    .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eAlways};
-constexpr std::array kDynamicStates{vk::DynamicState::eViewport, vk::DynamicState::eScissor,
-                                    vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
-
-/// The attachments that a pipeline writes. `info` and `rendering` point into it.
-struct Attachments {
-  Attachments(Outputs outputs, const DrawPlan& plan)
-      : color_formats{kColorFormat, surface_format(plan)}, color_count(outputs == Outputs::GBuffer ? 2 : 0) {}
-
-  [[nodiscard]] vk::PipelineColorBlendStateCreateInfo blend() const {
-    return {.attachmentCount = color_count, .pAttachments = writes.data()};
-  }
-  [[nodiscard]] vk::PipelineRenderingCreateInfo rendering() const {
-    return {.colorAttachmentCount = color_count,
-            .pColorAttachmentFormats = color_formats.data(),
-            .depthAttachmentFormat = kDepthFormat};
-  }
-
-  static constexpr vk::PipelineColorBlendAttachmentState kWriteAll{
-      .colorWriteMask = vk::ColorComponentFlagBits::eR | vk::ColorComponentFlagBits::eG |
-                        vk::ColorComponentFlagBits::eB | vk::ColorComponentFlagBits::eA};
-  std::array<vk::PipelineColorBlendAttachmentState, 2> writes{kWriteAll, kWriteAll};
-  std::array<vk::Format, 2> color_formats;
-  std::uint32_t color_count;
-};
-
-/// The specialisation constants of gbuffer.frag.
-gpu::Specialization constants_of(const DrawPlan& plan, SceneVariant variant) {
-  return gpu::Specialization({variant.masked, reprojects_masks(plan), keeps_instances(plan)});
+std::vector<vk::Format> color_formats(Outputs outputs, const DrawPlan& plan) {
+  if (outputs != Outputs::GBuffer) return {};
+  return {kColorFormat, surface_format(plan)};
 }
 
 }  // namespace
@@ -138,74 +81,32 @@ SceneVariant variant_for(const SurfaceNeeds& needs, Outputs outputs) {
 vk::raii::Pipeline make_scene_pipeline(const gpu::Device& device, const vk::raii::PipelineLayout& layout,
                                        const DrawPlan& plan, Outputs outputs, SceneVariant variant) {
   const Shaders shaders = shaders_of(outputs, variant.textured, variant.colored);
-  const vk::raii::ShaderModule vertex = gpu::make_shader(device, shaders.vertex, to_string(outputs)),
-                               fragment = gpu::make_shader(device, shaders.fragment, to_string(outputs));
-  const gpu::Specialization specialization = constants_of(plan, variant);
-  const vk::SpecializationInfo constants = specialization.info();
-  const std::array stages{vk::PipelineShaderStageCreateInfo{
-                              .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
-                          vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
-                                                            .module = *fragment,
-                                                            .pName = "main",
-                                                            .pSpecializationInfo = &constants}};
   // A pass without colours needs no fragment shader, unless the shader does alpha tests.
-  const std::uint32_t stage_count = outputs == Outputs::GBuffer || variant.masked ? 2 : 1;
-  const VertexStreams streams(outputs, variant);
-  const vk::PipelineVertexInputStateCreateInfo vertices = streams.info();
-  const Attachments attachments(outputs, plan);
-  const vk::PipelineColorBlendStateCreateInfo blend = attachments.blend();
-  const vk::PipelineRenderingCreateInfo rendering = attachments.rendering();
-  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = kDynamicStates.size(),
-                                                   .pDynamicStates = kDynamicStates.data()};
-  auto pipeline =
-      device.logical.createGraphicsPipeline(device.pipelines, {.pNext = &rendering,
-                                                               .stageCount = stage_count,
-                                                               .pStages = stages.data(),
-                                                               .pVertexInputState = &vertices,
-                                                               .pInputAssemblyState = &kTriangles,
-                                                               .pViewportState = &kOneViewport,
-                                                               .pRasterizationState = &kFilled,
-                                                               .pMultisampleState = &kOneSample,
-                                                               .pDepthStencilState = &kNearestWins,
-                                                               .pColorBlendState = &blend,
-                                                               .pDynamicState = &dynamic,
-                                                               .layout = *layout});
-  gpu::set_name(device, pipeline, to_string(outputs));
-  return pipeline;
+  const bool has_fragments = outputs == Outputs::GBuffer || variant.masked;
+  // Depth is near / distance, so that a greater depth is nearer.
+  return gpu::make_graphics_pipeline(
+      device, layout,
+      {.vertex = shaders.vertex,
+       .fragment = has_fragments ? shaders.fragment : Words{},
+       .constants = {variant.masked, reprojects_masks(plan), keeps_instances(plan)},
+       .streams = streams_of(outputs, variant),
+       .colors = color_formats(outputs, plan),
+       .depth = kDepthFormat,
+       .depth_test = vk::CompareOp::eGreater,
+       .dynamic = {vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace}},
+      to_string(outputs));
 }
 
 vk::raii::Pipeline make_hidden_pipeline(const gpu::Device& device, const vk::raii::PipelineLayout& layout,
                                         const DrawPlan& plan, Outputs outputs) {
-  const vk::raii::ShaderModule vertex = gpu::make_shader(device, hidden_vert_spv, "hidden area");
-  const vk::PipelineShaderStageCreateInfo stage{
-      .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"};
-  constexpr vk::VertexInputBindingDescription stream{0, sizeof(glm::vec2), vk::VertexInputRate::eVertex};
-  constexpr vk::VertexInputAttributeDescription corner{0, 0, vk::Format::eR32G32Sfloat, 0};
-  const vk::PipelineVertexInputStateCreateInfo vertices{.vertexBindingDescriptionCount = 1,
-                                                        .pVertexBindingDescriptions = &stream,
-                                                        .vertexAttributeDescriptionCount = 1,
-                                                        .pVertexAttributeDescriptions = &corner};
-  Attachments attachments(outputs, plan);
-  attachments.writes = {};
-  const vk::PipelineColorBlendStateCreateInfo blend = attachments.blend();
-  const vk::PipelineRenderingCreateInfo rendering = attachments.rendering();
-  constexpr std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
-  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
-                                                   .pDynamicStates = dynamic_states.data()};
-  auto pipeline = device.logical.createGraphicsPipeline(device.pipelines, {.pNext = &rendering,
-                                                                           .stageCount = 1,
-                                                                           .pStages = &stage,
-                                                                           .pVertexInputState = &vertices,
-                                                                           .pInputAssemblyState = &kTriangles,
-                                                                           .pViewportState = &kOneViewport,
-                                                                           .pRasterizationState = &kFilled,
-                                                                           .pMultisampleState = &kOneSample,
-                                                                           .pDepthStencilState = &kLastWins,
-                                                                           .pColorBlendState = &blend,
-                                                                           .pDynamicState = &dynamic,
-                                                                           .layout = *layout});
-  gpu::set_name(device, pipeline, "hidden area");
-  return pipeline;
+  return gpu::make_graphics_pipeline(device, layout,
+                                     {.vertex = hidden_vert_spv,
+                                      .streams = {{0, vk::Format::eR32G32Sfloat, sizeof(glm::vec2)}},
+                                      .colors = color_formats(outputs, plan),
+                                      .writes = gpu::GraphicsPipeline::Writes::DepthOnly,
+                                      .depth = kDepthFormat,
+                                      .depth_test = vk::CompareOp::eAlways},
+                                     "hidden area");
 }
 
 }  // namespace farshade

@@ -31,9 +31,7 @@ ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::
       bindings_(gpu::make_bindings(device,
                                    {{vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eFragment},
                                     {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eFragment}},
-                                   "anaglyph")),
-      vertex_(gpu::make_shader(device, anaglyph_vert_spv, "anaglyph.vert")),
-      fragment_(gpu::make_shader(device, anaglyph_frag_spv, "anaglyph.frag")) {
+                                   "anaglyph")) {
   check_eq(eyes.spec.layers, std::uint32_t{kEyes}, "layers of the eyes' image");
   // Nothing is uploaded yet, but the descriptor set needs an image.
   for (const std::uint32_t binding : {0u, 1u})
@@ -47,42 +45,12 @@ ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::
 }
 
 vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, vk::Format format) const {
-  const gpu::Specialization specialization({static_cast<std::uint32_t>(filter)});
-  const vk::SpecializationInfo constants = specialization.info();
-  const std::array stages{vk::PipelineShaderStageCreateInfo{
-                              .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex_, .pName = "main"},
-                          vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
-                                                            .module = *fragment_,
-                                                            .pName = "main",
-                                                            .pSpecializationInfo = &constants}};
-  const vk::PipelineVertexInputStateCreateInfo vertices;
-  const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
-  const vk::PipelineViewportStateCreateInfo viewports{.viewportCount = 1, .scissorCount = 1};
-  const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
-                                                        .lineWidth = 1};
-  const vk::PipelineMultisampleStateCreateInfo samples{.rasterizationSamples = vk::SampleCountFlagBits::e1};
-  using Component = vk::ColorComponentFlagBits;
-  const vk::PipelineColorBlendAttachmentState write{.colorWriteMask = Component::eR | Component::eG |
-                                                                      Component::eB | Component::eA};
-  const vk::PipelineColorBlendStateCreateInfo over{.attachmentCount = 1, .pAttachments = &write};
-  const std::array dynamics{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
-  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamics.size(),
-                                                   .pDynamicStates = dynamics.data()};
-  const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
-                                                  .pColorAttachmentFormats = &format};
-  auto pipeline = device_.logical.createGraphicsPipeline(device_.pipelines, {.pNext = &rendering,
-                                                                             .stageCount = stages.size(),
-                                                                             .pStages = stages.data(),
-                                                                             .pVertexInputState = &vertices,
-                                                                             .pInputAssemblyState = &assembly,
-                                                                             .pViewportState = &viewports,
-                                                                             .pRasterizationState = &raster,
-                                                                             .pMultisampleState = &samples,
-                                                                             .pColorBlendState = &over,
-                                                                             .pDynamicState = &dynamic,
-                                                                             .layout = *layout_});
-  gpu::set_name(device_, pipeline, "anaglyph");
-  return pipeline;
+  return gpu::make_graphics_pipeline(device_, layout_,
+                                     {.vertex = anaglyph_vert_spv,
+                                      .fragment = anaglyph_frag_spv,
+                                      .constants = {static_cast<std::uint32_t>(filter)},
+                                      .colors = {format}},
+                                     "anaglyph");
 }
 
 void ComposePass::make_uploads() {

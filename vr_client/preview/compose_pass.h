@@ -43,7 +43,6 @@ class ComposePass {
   const gpu::Image& eyes_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::ShaderModule vertex_{nullptr}, fragment_{nullptr};
   vk::raii::Pipeline nearest_{nullptr}, linear_{nullptr};  ///< pipelines of the anaglyph
   gpu::Image uploads_;                                     ///< created by the first upload
   gpu::Buffer staging_;
