@@ -2,11 +2,14 @@
 /// and withhold datagrams, and masks that can be painted a thousand times per second.
 #pragma once
 
+#include <spdlog/spdlog.h>
+
 #include <map>
 #include <vector>
 
 #include "rt_server/work/server_core.h"
 #include "tests/fuzz/edits.h"
+#include "tests/support/fixed_random.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/answers_from.h"
 #include "vr_client/link/network_link.h"
@@ -67,5 +70,19 @@ struct GenuineClient {
 
 /// Lets the server do everything that it can do now.
 void serve(ServerCore& core);
+
+/// Runs the input: a list of steps of a conversation, and then its end. No session times out, because each of
+/// the 32 steps takes at most 255 ms. Returns what LLVMFuzzerTestOneInput should.
+template <class Conversation>
+int converse(const std::uint8_t* data, std::size_t size) {
+  constexpr int kMostSteps = 32;
+  spdlog::set_level(spdlog::level::off);
+  fix_random(1);
+  Conversation conversation;
+  Choices choices(data, size);
+  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
+  conversation.finish();
+  return 0;
+}
 
 }  // namespace farshade::fuzz

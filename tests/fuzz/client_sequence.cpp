@@ -2,10 +2,7 @@
 // address, and withholds datagrams. The input is a list of steps in virtual time. Afterwards the client must
 // get its next masks bit for bit and keep its session. It may begin another one only if datagrams were
 // withheld, or if it received a NoSession. It must accept no slice twice.
-#include <spdlog/spdlog.h>
-
 #include "tests/fuzz/attacked_link.h"
-#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 
 using namespace farshade;
@@ -13,8 +10,6 @@ using namespace std::chrono_literals;
 using fuzz::Bytes;
 
 namespace {
-
-constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 class Conversation {
  public:
@@ -138,11 +133,5 @@ void Conversation::finish() {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  spdlog::set_level(spdlog::level::off);
-  fix_random(1);
-  Conversation conversation;
-  fuzz::Choices choices(data, size);
-  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
-  conversation.finish();
-  return 0;
+  return fuzz::converse<Conversation>(data, size);
 }

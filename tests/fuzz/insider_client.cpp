@@ -5,8 +5,6 @@
 // steps in virtual time. After each step the jobs that the server made fit their requests, and it has no more
 // sessions than allowed. The genuine client keeps its session, and gets its masks bit for bit with its next
 // request.
-#include <spdlog/spdlog.h>
-
 #include <array>
 
 #include "rt_server/answers/video.h"
@@ -15,7 +13,6 @@
 #include "stereo/frame/tiles.h"
 #include "stereo/messages/frame_fields.h"
 #include "tests/fuzz/attacked_link.h"
-#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/forged.h"
 #include "tests/unit/link_client.h"
@@ -28,7 +25,6 @@ namespace {
 
 constexpr std::uint32_t kPlaces = 5;  ///< addresses; the genuine client has the first
 constexpr std::size_t kMostSessions = 6;
-constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 Welcome served_everything() {
   Welcome served = fuzz::kServed;
@@ -303,11 +299,5 @@ void Conversation::finish() {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  spdlog::set_level(spdlog::level::off);
-  fix_random(1);
-  Conversation conversation;
-  fuzz::Choices choices(data, size);
-  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
-  conversation.finish();
-  return 0;
+  return fuzz::converse<Conversation>(data, size);
 }

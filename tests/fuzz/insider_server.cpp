@@ -2,12 +2,9 @@
 // session, genuine answers that are changed, counters that jump. The input is a list of steps in virtual
 // time. After each step the client's records fit their requests. Afterwards the client must still send
 // requests and assemble the answer to the next one bit for bit.
-#include <spdlog/spdlog.h>
-
 #include "stereo/codec/mask_block.h"
 #include "stereo/codec/plane_codec.h"
 #include "tests/fuzz/attacked_link.h"
-#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/hostile_server.h"
 
@@ -17,7 +14,6 @@ using fuzz::Bytes;
 
 namespace {
 
-constexpr int kMostSteps = 32;
 constexpr std::size_t kFrames = Assembler::kKept + 2;
 
 Bytes encoded(const ServerMessage& message) {
@@ -204,11 +200,5 @@ void Conversation::finish() {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  spdlog::set_level(spdlog::level::off);
-  fix_random(1);
-  Conversation conversation;
-  fuzz::Choices choices(data, size);
-  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
-  conversation.finish();
-  return 0;
+  return fuzz::converse<Conversation>(data, size);
 }

@@ -3,12 +3,9 @@
 // clients must get their masks bit for bit, with the first request if none of their datagrams was withheld.
 // The server must have counted each of their requests once and no other, and sent no stranger more bytes than
 // it received.
-#include <spdlog/spdlog.h>
-
 #include <deque>
 
 #include "tests/fuzz/attacked_link.h"
-#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 
 using namespace farshade;
@@ -19,7 +16,6 @@ namespace {
 
 constexpr std::uint32_t kGenuine = 2, kPlaces = 6;  ///< genuine clients, and addresses in all
 constexpr std::size_t kMostSessions = 4;
-constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 class Conversation {
  public:
@@ -150,11 +146,5 @@ void Conversation::finish() {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  spdlog::set_level(spdlog::level::off);
-  fix_random(1);
-  Conversation conversation;
-  fuzz::Choices choices(data, size);
-  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
-  conversation.finish();
-  return 0;
+  return fuzz::converse<Conversation>(data, size);
 }
