@@ -15,11 +15,7 @@ struct RendererLimits;
 struct DrawCounters {
   std::uint64_t pipelines = 0;          ///< created so far
   std::uint64_t bindings = 0;           ///< descriptors in all sets
-  std::uint64_t vertex_bytes = 0;       ///< of vertex streams and indices on the device
   std::uint64_t vertex_bytes_read = 0;  ///< that the last frame's draws read, for both eyes
-  std::uint64_t gbuffer_triangles = 0;  ///< that the last frame submitted for the shown views, both eyes
-  std::uint64_t depth_triangles = 0;    ///< for the requested views, if they differ from the shown ones
-  std::uint64_t map_triangles = 0;      ///< for shadow maps
   std::uint64_t lookups = 0;            ///< traced views in which the last frame looked up a point, at most
   std::uint64_t mask_uploads = 0;       ///< copies of a mask, both eyes, to the device so far
   std::uint64_t map_layers_drawn = 0;  ///< of shadow maps, with instances that cannot move, in the last frame

@@ -472,22 +472,20 @@ DrawCounters Renderer::Parts::counters() const {
                         .lookups = shading_.lookups(),
                         .mask_uploads = masks_.uploads(),
                         .memory = device_.ledger->read()};
-  const auto add = [&](const ScenePass& pass, bool drawn, std::uint64_t& triangles) {
+  const auto add = [&](const ScenePass& pass, bool drawn) {
     counters.bindings += pass.bindings();
-    if (!drawn) return;
-    counters.vertex_bytes_read += pass.vertex_bytes_read();
-    triangles += pass.triangles();
+    if (drawn) counters.vertex_bytes_read += pass.vertex_bytes_read();
   };
-  add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
+  add(gbuffer_.scene_pass(), true);
   counters.pipelines += depth_pipelines_->size();
   counters.pipelines += gbuffer_.scene_pass().pipelines() + gbuffer_.hidden_pass().pipelines();
   counters.meshes_deformed = buffers_.deformed->deformed();
   if (depth_pass_) counters.pipelines += depth_pass_->hidden_pass().pipelines();
-  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
+  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value());
   for (std::size_t pair = 0; faces_ && pair < faces_->passes().size(); ++pair)
-    add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs(), counters.depth_triangles);
+    add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs());
   if (shadow_maps_) {
-    add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
+    add(shadow_maps_->scene_pass(), shadow_maps_->due());
     counters.pipelines += shadow_maps_->scene_pass().pipelines();
     counters.bindings += shadow_maps_->bindings().kinds.size();
     counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
@@ -502,7 +500,6 @@ DrawCounters Renderer::Parts::counters() const {
     counters.bindings += timewarp_->bindings();
   }
   for (const gpu::Bindings& set : buffers_.texture_sets) counters.bindings += set.kinds.size();
-  for (const DeviceMesh& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
   return counters;
 }
 

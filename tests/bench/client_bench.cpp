@@ -42,7 +42,7 @@ struct Times {
   std::vector<double> request_reprojection, ask,
       requested_percent;  ///< before a request: the pass, the whole call, and what it found
   std::vector<double> full_gbuffer, full_depth;  ///< the same frames in full detail
-  DrawCounters counters, full_counters;          ///< of the last frame
+  DrawnTriangles triangles, full_triangles;      ///< of the last frame
   std::vector<ReprojectionMode> modes{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
@@ -93,11 +93,11 @@ void print_times(const Times& times) {
 
 void print_ratios(const Times& times) {
   const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
-  const auto triangles = [](const DrawCounters& counters) {
-    return static_cast<unsigned long long>(counters.gbuffer_triangles + counters.depth_triangles);
+  const auto sum = [](const DrawnTriangles& triangles) {
+    return static_cast<unsigned long long>(triangles.gbuffer + triangles.depth);
   };
-  std::printf("triangles of the last frame: %llu, %llu in full detail\n", triangles(times.counters),
-              triangles(times.full_counters));
+  std::printf("triangles of the last frame: %llu, %llu in full detail\n", sum(times.triangles),
+              sum(times.full_triangles));
   std::printf("G-buffer and depth in full detail / with levels = %.2f\n",
               (median(times.full_gbuffer) + median(times.full_depth)) /
                   (median(times.gbuffer) + median(times.depth)));
@@ -185,10 +185,10 @@ Expected<void> run(const Options& options) {
                      .request_slot = assembler.find(request.frame)->slot,
                      .detail = Detail::Full};
     const DrawTimes full = renderer.draw(frame);
-    times.full_counters = renderer.counters();
+    times.full_triangles = full.triangles;
     frame.detail = Detail::Levels;
     const DrawTimes drawn = renderer.draw(frame);
-    times.counters = renderer.counters();
+    times.triangles = drawn.triangles;
     if (masks.empty()) continue;
     for (ReprojectionMode& mode : times.modes) {
       frame.reprojection = mode.reprojection;

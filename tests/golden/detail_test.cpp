@@ -26,9 +26,14 @@ class LevelsInPictures : public OnLavapipe {
                                       detail_px > 0 ? levels_ : SceneLevels{});
   }
 
-  PerEye<Image<Rgb8>> draw(Renderer& with, const StereoView& views, Detail detail) const {
-    with.draw({.views = views, .state = state_, .masks = {}, .reprojection = {}, .detail = detail});
-    return with.read_shown();
+  struct Drawn {
+    PerEye<Image<Rgb8>> eyes;
+    std::uint64_t triangles = 0;  ///< of the G-buffer
+  };
+  Drawn draw(Renderer& with, const StereoView& views, Detail detail) const {
+    const DrawTimes drawn =
+        with.draw({.views = views, .state = state_, .masks = {}, .reprojection = {}, .detail = detail});
+    return {with.read_shown(), drawn.triangles.gbuffer};
   }
 
   /// The head on a slow walk from the scene's camera into the room.
@@ -44,30 +49,30 @@ class LevelsInPictures : public OnLavapipe {
 TEST_F(LevelsInPictures, FullDetailIsTheSameWithAndWithoutLevels) {
   const auto with = renderer(0.25f), without = renderer(0);
   for (const int i : {0, 20}) {
-    const auto a = draw(*with, step(i), Detail::Full), b = draw(*without, step(i), Detail::Levels);
-    for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_TRUE(a[eye].pixels == b[eye].pixels) << i;
+    const Drawn a = draw(*with, step(i), Detail::Full), b = draw(*without, step(i), Detail::Levels);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_TRUE(a.eyes[eye].pixels == b.eyes[eye].pixels) << i;
+    EXPECT_EQ(a.triangles, b.triangles) << i;
   }
-  EXPECT_EQ(with->counters().gbuffer_triangles, without->counters().gbuffer_triangles);
 }
 
 TEST_F(LevelsInPictures, AreCloseToFullDetailAndCloserTheSmallerTheLimit) {
   const auto full = renderer(0);
-  const auto right = draw(*full, step(0), Detail::Full);
+  const Drawn right = draw(*full, step(0), Detail::Full);
   double psnr = 99;
-  std::uint64_t triangles = full->counters().gbuffer_triangles;
+  std::uint64_t triangles = right.triangles;
   for (const float limit_px : {0.0625f, 0.25f, 1.0f}) {
     const auto with = renderer(limit_px);
-    const auto shown = draw(*with, step(0), Detail::Levels);
-    const double now = std::min(psnr_db(shown[0], right[0]), psnr_db(shown[1], right[1]));
-    EXPECT_LT(with->counters().gbuffer_triangles, triangles) << limit_px;
+    const Drawn shown = draw(*with, step(0), Detail::Levels);
+    const double now = std::min(psnr_db(shown.eyes[0], right.eyes[0]), psnr_db(shown.eyes[1], right.eyes[1]));
+    EXPECT_LT(shown.triangles, triangles) << limit_px;
     EXPECT_LT(now, psnr) << limit_px;
-    triangles = with->counters().gbuffer_triangles;
+    triangles = shown.triangles;
     psnr = now;
     if (limit_px < 1) {
       EXPECT_GT(now, 40) << limit_px;
     }
   }
-  EXPECT_LT(triangles, full->counters().gbuffer_triangles * 9 / 10);
+  EXPECT_LT(triangles, right.triangles * 9 / 10);
 }
 
 /// The value that all but one in a thousand differences of two pictures stay below, of 255.
@@ -93,15 +98,15 @@ double mean_change(const Image<Rgb8>& a, const Image<Rgb8>& b) {
 TEST_F(LevelsInPictures, DoNotPop) {
   const auto with = renderer(kDefaultDetail_px), full = renderer(0);
   int switches = 0;
-  std::uint64_t triangles = 0;
-  PerEye<Image<Rgb8>> before, full_before;
+  Drawn before, full_before;
   for (int i = 0; i < 24; ++i) {
-    const auto now = draw(*with, step(i), Detail::Levels), full_now = draw(*full, step(i), Detail::Full);
-    const bool switched = i > 0 && with->counters().gbuffer_triangles != triangles;
-    triangles = with->counters().gbuffer_triangles;
+    const Drawn now = draw(*with, step(i), Detail::Levels), full_now = draw(*full, step(i), Detail::Full);
+    const bool switched = i > 0 && now.triangles != before.triangles;
     for (std::size_t eye = 0; switched && eye < kEyes; ++eye) {
-      EXPECT_LE(usual_change(now[eye], before[eye]), usual_change(full_now[eye], full_before[eye]) + 8) << i;
-      EXPECT_LE(mean_change(now[eye], before[eye]), 1.1 * mean_change(full_now[eye], full_before[eye])) << i;
+      const Image<Rgb8>&shown = now.eyes[eye], &shown_before = before.eyes[eye], &right = full_now.eyes[eye],
+            &right_before = full_before.eyes[eye];
+      EXPECT_LE(usual_change(shown, shown_before), usual_change(right, right_before) + 8) << i;
+      EXPECT_LE(mean_change(shown, shown_before), 1.1 * mean_change(right, right_before)) << i;
     }
     switches += switched;
     before = now;
@@ -118,9 +123,9 @@ TEST_F(LevelsInPictures, DoNotFlicker) {
   for (int i = 0; i < 16; ++i) {
     const StereoView views =
         eyes_of(moved(head_at_camera(scene_), 0, {0, 0, i % 2 == 0 ? -0.005 : 0.005}), kDetailSide_px);
-    static_cast<void>(draw(*with, views, Detail::Levels));
-    switches += i > 2 && with->counters().gbuffer_triangles != triangles;
-    triangles = with->counters().gbuffer_triangles;
+    const Drawn now = draw(*with, views, Detail::Levels);
+    switches += i > 2 && now.triangles != triangles;
+    triangles = now.triangles;
   }
   EXPECT_EQ(switches, 0);
 }
@@ -142,13 +147,13 @@ TEST_F(OnLavapipe, ClustersOutsideOfTheViewsAreLeftOut) {
   Renderer renderer(device_, scene, kDetailLimits);
   for (int direction = 0; direction < 7; ++direction) {
     const auto head = moved({}, 0.9 * direction, {0.3, 0.1 * direction, 0});
-    renderer.draw({.views = eyes_of(head, kDetailSide_px),
-                   .state = state_at(scene, Time{}),
-                   .masks = {},
-                   .reprojection = {}});
+    const DrawTimes drawn = renderer.draw({.views = eyes_of(head, kDetailSide_px),
+                                           .state = state_at(scene, Time{}),
+                                           .masks = {},
+                                           .reprojection = {}});
     for (const Image<float>& eye : renderer.read_distance())
       EXPECT_GT(*std::ranges::min_element(eye.pixels), 0) << direction;
-    EXPECT_LT(renderer.counters().gbuffer_triangles, triangles) << "half of both eyes' triangles";
+    EXPECT_LT(drawn.triangles.gbuffer, triangles) << "half of both eyes' triangles";
   }
 }
 

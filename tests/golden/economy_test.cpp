@@ -11,6 +11,7 @@
 #include "stereo/gltf/gltf.h"
 #include "stereo/image/difference.h"
 #include "stereo/plan/plan_masks.h"
+#include "stereo/raster/scene_buffers.h"
 #include "stereo/reproject/shading_layout.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/random_scenes.h"
@@ -77,10 +78,16 @@ Mask all_lit(MaskLayout layout, FrameId frame, const StereoView& views) {
   return {frame, Time{}, views, {bits, bits}, {all, all}};
 }
 
+/// What a frame costs.
+struct Cost : DrawCounters {
+  std::size_t vertex_bytes = 0;  ///< of vertex streams and indices
+  DrawnTriangles triangles{};
+};
+
 class Economy : public OnLavapipe {
  protected:
   /// Requests a mask for some views, and half a second later draws other views with it.
-  DrawCounters drawn(const Scene& scene, const SessionNeeds& needs = {}) {
+  Cost drawn(const Scene& scene, const SessionNeeds& needs = {}) {
     const DrawPlan plan = plan_for(scene, needs).draw;
     Renderer renderer(device_, scene, plan, kLimits);
     const SceneState now = state_at(scene, Time(500ms));
@@ -91,13 +98,13 @@ class Economy : public OnLavapipe {
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = all_lit(plan.mask, first.frame, shown);
     const std::vector<TracedMask> masks{mask.traced_mask()};
-    renderer.draw({.views = shown,
-                   .state = now,
-                   .request = &second,
-                   .masks = masks,
-                   .reprojection = {},
-                   .request_slot = 1});
-    return renderer.counters();
+    const DrawTimes times = renderer.draw({.views = shown,
+                                           .state = now,
+                                           .request = &second,
+                                           .masks = masks,
+                                           .reprojection = {},
+                                           .request_slot = 1});
+    return {renderer.counters(), stream_bytes(scene, plan, {}).total(), times.triangles};
   }
 };
 
@@ -132,13 +139,13 @@ const std::array kLadder{
 };
 
 TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
-  const DrawCounters counters = drawn(scene_with({}));
+  const Cost counters = drawn(scene_with({}));
   EXPECT_EQ(counters.pipelines, 1u + 1u + 2u) << "G-buffer, depth, the easy and the hard pass";
   EXPECT_EQ(counters.bindings, 2u + 1u + 10u);
   EXPECT_EQ(counters.vertex_bytes, kCorners * 16 + 8) << "indices of two bytes, padded";
-  EXPECT_EQ(counters.gbuffer_triangles, kBothEyes);
-  EXPECT_EQ(counters.depth_triangles, kBothEyes);
-  EXPECT_EQ(counters.map_triangles, 0u);
+  EXPECT_EQ(counters.triangles.gbuffer, kBothEyes);
+  EXPECT_EQ(counters.triangles.depth, kBothEyes);
+  EXPECT_EQ(counters.triangles.maps, 0u);
   EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 16 + 6 + kCorners * 12 + 6));
   for (const Use use : {Use::Textures, Use::Motion, Use::Report, Use::Other})
     EXPECT_EQ(counters.memory.peak[use], 0u) << to_string(use);
@@ -147,11 +154,11 @@ TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
 
 TEST_F(Economy, EachFeatureCostsWhatItTakesAndNothingElse) {
   std::set<Feature> features;
-  DrawCounters before = drawn(scene_with(features));
+  Cost before = drawn(scene_with(features));
   for (const Rung& rung : kLadder) {
     SCOPED_TRACE(rung.name);
     features.insert(rung.feature);
-    const DrawCounters after = drawn(scene_with(features));
+    const Cost after = drawn(scene_with(features));
     EXPECT_EQ(after.pipelines, before.pipelines + rung.pipelines);
     EXPECT_EQ(after.bindings, before.bindings + rung.bindings);
     EXPECT_EQ(after.vertex_bytes, before.vertex_bytes + rung.vertex_bytes);
@@ -171,8 +178,7 @@ TEST_F(Economy, MasksTakeTheNarrowestWords) {
 }
 
 TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToReprojectThem) {
-  const DrawCounters reprojected = drawn(scene_with({})),
-                     fitting = drawn(scene_with({}), {.reprojects = false});
+  const Cost reprojected = drawn(scene_with({})), fitting = drawn(scene_with({}), {.reprojects = false});
   EXPECT_EQ(fitting.pipelines, 1u + 1u) << "G-buffer, and one pass for both eyes";
   EXPECT_EQ(fitting.bindings, reprojected.bindings - 3)
       << "the depth pass, the list of hard pixels, and the cube mask";
@@ -187,8 +193,8 @@ TEST_F(Economy, TheOtherEyeIsLookedUpOnlyWhereItStandsElsewhere) {
 }
 
 TEST_F(Economy, AllFeaturesTogetherCostMoreOfEverything) {
-  const DrawCounters needed = drawn(scene_with({})),
-                     everything = drawn(scene_with({}), {.kind = PlanKind::Everything});
+  const Cost needed = drawn(scene_with({})),
+             everything = drawn(scene_with({}), {.kind = PlanKind::Everything});
   EXPECT_GT(everything.pipelines, needed.pipelines);
   EXPECT_GT(everything.bindings, needed.bindings);
   EXPECT_GT(everything.vertex_bytes, needed.vertex_bytes);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "stereo/gpu/upload.h"
+#include "stereo/raster/scene_buffers.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
@@ -30,8 +31,9 @@ class SceneMemory : public OnLavapipe {
     const View view = look({0, 0, 0}, {0, 0, -1}, kDrawnSize.width);
     const SceneState state = state_at(scene, Time{});
     renderer.draw({.views = {view, view}, .state = state, .masks = {}, .reprojection = {}});
-    const DrawCounters counters = renderer.counters();
-    return {renderer.read_shown(), counters.memory.allocations - before, counters.vertex_bytes};
+    const DrawPlan plan = plan_for(scene, {.all_lights = true}).draw;
+    return {renderer.read_shown(), device_.ledger->read().allocations - before,
+            stream_bytes(scene, plan, {}).total()};
   }
 };
 
