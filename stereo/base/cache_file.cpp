@@ -1,5 +1,8 @@
 #include "stereo/base/cache_file.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <cstring>
 
 #include "stereo/base/digest.h"
@@ -7,10 +10,7 @@
 namespace farshade {
 
 std::string cache_name(std::span<const std::uint8_t> key) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string name;
-  for (const std::uint8_t byte : key) name += {kDigits[byte >> 4], kDigits[byte & 15]};
-  return name;
+  return fmt::format("{:02x}", fmt::join(key, ""));
 }
 
 Expected<std::vector<std::byte>> read_cache_file(const std::filesystem::path& path, std::uint64_t max_bytes) {

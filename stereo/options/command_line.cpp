@@ -29,11 +29,8 @@ std::size_t distance(const std::string& a, const std::string& b) {
 
 /// The long names of the options of `app` and of the subcommands that were given, and the subcommands.
 std::vector<std::string> known_words(const CLI::App& app) {
-  std::vector<std::string> words;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-    words.push_back(command->get_name());
+  std::vector<std::string> words = options_of(app);
+  for (const CLI::App* command : commands_of(app)) words.push_back(command->get_name());
   for (const CLI::App* command : app.get_subcommands()) {
     const std::vector<std::string> more = known_words(*command);
     words.insert(words.end(), more.begin(), more.end());
@@ -84,6 +81,17 @@ class Help final : public CLI::Formatter {
 };
 
 }  // namespace
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<std::string> options_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
 
 std::string suggestion(const std::string& given, std::span<const std::string> words) {
   std::optional<std::string> best;

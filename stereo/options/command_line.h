@@ -16,6 +16,12 @@ namespace farshade {
 /// Sets how `app` prints its help and its errors. Subcommands that are added later do the same.
 void make_readable(CLI::App& app);
 
+/// All subcommands of `app`, given or not.
+[[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
+
+/// The long names of the options of `app`, such as --scene.
+[[nodiscard]] std::vector<std::string> options_of(const CLI::App& app);
+
 /// Accepts these words only. An empty word is accepted if it is one of them, but not named.
 [[nodiscard]] CLI::Validator one_of(std::vector<std::string> words);
 

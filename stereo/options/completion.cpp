@@ -36,17 +36,6 @@ _farshade_{0}() {{
 complete -o bashdefault -o default -F _farshade_{0} {0}
 )";
 
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
-std::vector<std::string> options_of(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  return names;
-}
-
 bool has_positional(const CLI::App& app) {
   return std::ranges::any_of(app.get_options(),
                              [](const CLI::Option* option) { return option->get_positional(); });

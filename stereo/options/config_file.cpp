@@ -31,11 +31,6 @@ struct Given {
   throw CLI::ParseError(file.string() + ": " + why, CLI::ExitCodes::ConfigError);
 }
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
-}
-
 /// A value without its quotes.
 std::string unquoted(const std::string& value) {
   const bool quoted =
@@ -50,19 +45,20 @@ std::vector<Setting> read_settings(const std::filesystem::path& file) {
   std::vector<Setting> settings;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {
-    line = trimmed(line);
+    CLI::detail::trim(line);
     if (line.empty() || line.front() == '#' || line.front() == ';') continue;
     const std::size_t equals = line.find('=');
     if (equals == std::string::npos || equals == 0)
       refuse(file, fmt::format("line {}: '{}' is not KEY = VALUE", number, line));
-    settings.push_back({trimmed(line.substr(0, equals)), unquoted(trimmed(line.substr(equals + 1)))});
+    settings.push_back({CLI::detail::trim_copy(line.substr(0, equals)),
+                        unquoted(CLI::detail::trim_copy(line.substr(equals + 1)))});
   }
   return settings;
 }
 
 /// The subcommand of that name, or null.
 const CLI::App* subcommand_of(const CLI::App& app, const std::string& name) {
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* command : commands_of(app))
     if (command->get_name() == name) return command;
   return nullptr;
 }
