@@ -3,6 +3,8 @@
 /// bounded depth with invertible transforms, and the keys of animations can be interpolated.
 #pragma once
 
+#include <set>
+
 #include "stereo/gltf/gltf.h"
 #include "stereo/gltf/gltf_model.h"
 
@@ -33,6 +35,9 @@ namespace farshade::gltf {
 /// `roots` and the nodes below them, parents before children. The nodes must be a forest (validate_nodes).
 [[nodiscard]] std::vector<std::uint32_t> parents_first(const Document& document,
                                                        const std::vector<int>& roots);
+
+/// The nodes of which an animation moves `path`, such as "scale".
+[[nodiscard]] std::set<int> nodes_with_moving(const Document& document, std::string_view path);
 
 /// The limit on the elements of all accessors together, and on the elements that all primitives read:
 /// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.

@@ -2,7 +2,6 @@
 /// textures, images and lights.
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_lights.h"
@@ -176,15 +175,6 @@ Checked check_skin(const Document& document, std::size_t index, const Skin& skin
   return {};
 }
 
-/// The nodes whose weights an animation moves.
-std::set<int> nodes_with_tracks(const Document& document) {
-  std::set<int> nodes;
-  for (const Animation& animation : document.animations)
-    for (const AnimationChannel& channel : animation.channels)
-      if (channel.target_path == "weights") nodes.insert(channel.target_node);
-  return nodes;
-}
-
 /// What a node reads and makes: instances, and if it deforms its mesh, joints, vertices and indices of its
 /// own. Flat triangles and parts (stereo/scene/mesh_parts.h) may have three vertices for each triangle.
 std::uint64_t cost_of(const Document& document, const Node& node, bool has_track) {
@@ -219,7 +209,7 @@ Checked check_joints(const Document& document, const std::string& name, const No
 /// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
 Checked check_mesh_nodes(const Document& document) {
   std::uint64_t left = element_budget(document);
-  const std::set<int> tracks = nodes_with_tracks(document);
+  const std::set<int> tracks = nodes_with_moving(document, "weights");
   return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
     if (node.mesh < 0) return {};
     const std::string name = label("node", index, node.name);

@@ -1,6 +1,5 @@
 /// Validation of the nodes (a forest), their transforms, and the scenes.
 #include <cmath>
-#include <set>
 
 #include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_validate.h"
@@ -26,15 +25,6 @@ Checked check_matrix(const std::string& name, const glm::dmat4& m) {
   if (!(lengths > 0.0) || !(volume > kLeastRelativeVolume * lengths))
     return malformed(name + ": its matrix cannot be inverted");
   return {};
-}
-
-/// The nodes whose scale an animation changes.
-std::set<int> nodes_with_moving_scale(const Document& document) {
-  std::set<int> nodes;
-  for (const Animation& animation : document.animations)
-    for (const AnimationChannel& channel : animation.channels)
-      if (channel.target_path == "scale") nodes.insert(channel.target_node);
-  return nodes;
 }
 
 Checked check_transform(const Document& document, std::size_t index, const Node& node, bool scale_moves) {
@@ -137,6 +127,14 @@ double largest_output(const Document& document, const AnimationSampler& sampler)
 
 }  // namespace
 
+std::set<int> nodes_with_moving(const Document& document, std::string_view path) {
+  std::set<int> nodes;
+  for (const Animation& animation : document.animations)
+    for (const AnimationChannel& channel : animation.channels)
+      if (channel.target_path == path) nodes.insert(channel.target_node);
+  return nodes;
+}
+
 std::vector<std::uint32_t> parents_first(const Document& document, const std::vector<int>& roots) {
   std::vector<std::uint32_t> order(roots.begin(), roots.end());
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -148,7 +146,7 @@ std::vector<std::uint32_t> parents_first(const Document& document, const std::ve
 
 Checked validate_nodes(const Document& document, const SceneLimits& limits) {
   std::vector<Index> parents(document.nodes.size());
-  const std::set<int> moving = nodes_with_moving_scale(document);
+  const std::set<int> moving = nodes_with_moving(document, "scale");
   return check_each(document.nodes,
                     [&](auto i, const auto& node) { return check_references(document, i, node); })
       .and_then([&] {
