@@ -1,13 +1,8 @@
 #include "stereo/gpu/pass.h"
 
-namespace farshade::gpu {
+#include <optional>
 
-vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,
-                                   const std::string& name) {
-  auto shader = device.logical.createShaderModule({.codeSize = spirv.size_bytes(), .pCode = spirv.data()});
-  set_name(device, shader, name);
-  return shader;
-}
+namespace farshade::gpu {
 
 vk::raii::DescriptorSetLayout make_layout(const Device& device, std::span<const BindingKind> kinds) {
   std::vector<vk::DescriptorSetLayoutBinding> slots;
@@ -62,33 +57,33 @@ void bind_image(const Device& device, const Bindings& bindings, std::uint32_t bi
                                       {});
 }
 
-Specialization::Specialization(std::vector<std::uint32_t> constants) : constants_(std::move(constants)) {
-  for (std::uint32_t i = 0; i < constants_.size(); ++i)
-    entries_.push_back({.constantID = i, .offset = i * 4, .size = 4});
-}
-
-vk::SpecializationInfo Specialization::info() const {
-  return {.mapEntryCount = narrow<std::uint32_t>(entries_.size()),
-          .pMapEntries = entries_.data(),
-          .dataSize = constants_.size() * 4,
-          .pData = constants_.data()};
-}
-
-vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::PipelineLayout& layout,
-                                         const vk::raii::ShaderModule& shader,
-                                         const Specialization& specialization, const std::string& name) {
-  const vk::SpecializationInfo info = specialization.info();
-  auto pipeline = device.logical.createComputePipeline(device.pipelines,
-                                                       {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                                  .module = *shader,
-                                                                  .pName = "main",
-                                                                  .pSpecializationInfo = &info},
-                                                        .layout = *layout});
-  set_name(device, pipeline, name);
-  return pipeline;
-}
-
 namespace {
+
+/// A shader with its specialisation constants. The result of `stage` points into it.
+class Shader {
+ public:
+  Shader(const Device& device, std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants,
+         const std::string& name)
+      : module_(device.logical.createShaderModule({.codeSize = spirv.size_bytes(), .pCode = spirv.data()})) {
+    set_name(device, module_, name);
+    for (std::uint32_t i = 0; i < constants.size(); ++i)
+      entries_.push_back({.constantID = i, .offset = i * 4, .size = 4});
+    constants_ = {.mapEntryCount = narrow<std::uint32_t>(entries_.size()),
+                  .pMapEntries = entries_.data(),
+                  .dataSize = constants.size_bytes(),
+                  .pData = constants.data()};
+  }
+  Shader(const Shader&) = delete;
+  Shader& operator=(const Shader&) = delete;
+  [[nodiscard]] vk::PipelineShaderStageCreateInfo stage(vk::ShaderStageFlagBits stage) const {
+    return {.stage = stage, .module = *module_, .pName = "main", .pSpecializationInfo = &constants_};
+  }
+
+ private:
+  vk::raii::ShaderModule module_;
+  std::vector<vk::SpecializationMapEntry> entries_;
+  vk::SpecializationInfo constants_;
+};
 
 /// The streams of a pipeline as Vulkan describes them. `info` points into it.
 struct VertexInput {
@@ -123,20 +118,24 @@ constexpr vk::ColorComponentFlags kAllComponents =
 
 }  // namespace
 
+vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::PipelineLayout& layout,
+                                         std::span<const std::uint32_t> spirv,
+                                         std::span<const std::uint32_t> constants, const std::string& name) {
+  const Shader shader(device, spirv, constants, name);
+  auto pipeline = device.logical.createComputePipeline(
+      device.pipelines, {.stage = shader.stage(vk::ShaderStageFlagBits::eCompute), .layout = *layout});
+  set_name(device, pipeline, name);
+  return pipeline;
+}
+
 vk::raii::Pipeline make_graphics_pipeline(const Device& device, const vk::raii::PipelineLayout& layout,
                                           const GraphicsPipeline& wanted, const std::string& name) {
-  const Specialization specialization(wanted.constants);
-  const vk::SpecializationInfo constants = specialization.info();
-  const vk::raii::ShaderModule vertex = make_shader(device, wanted.vertex, name);
-  std::vector<vk::PipelineShaderStageCreateInfo> stages{
-      {.stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"}};
-  vk::raii::ShaderModule fragment{nullptr};
+  const Shader vertex(device, wanted.vertex, {}, name);
+  std::vector<vk::PipelineShaderStageCreateInfo> stages{vertex.stage(vk::ShaderStageFlagBits::eVertex)};
+  std::optional<Shader> fragment;
   if (!wanted.fragment.empty()) {
-    fragment = make_shader(device, wanted.fragment, name);
-    stages.push_back({.stage = vk::ShaderStageFlagBits::eFragment,
-                      .module = *fragment,
-                      .pName = "main",
-                      .pSpecializationInfo = &constants});
+    fragment.emplace(device, wanted.fragment, wanted.constants, name);
+    stages.push_back(fragment->stage(vk::ShaderStageFlagBits::eFragment));
   }
   const VertexInput input(wanted.streams);
   const vk::PipelineVertexInputStateCreateInfo vertices = input.info();

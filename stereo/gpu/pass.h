@@ -1,4 +1,4 @@
-/// Building blocks of passes: shaders, descriptor bindings, specialisation constants, pipelines, timestamps.
+/// Building blocks of passes: descriptor bindings, pipelines, timestamps.
 #pragma once
 
 #include <span>
@@ -8,9 +8,6 @@
 #include "stereo/gpu/memory.h"
 
 namespace farshade::gpu {
-
-[[nodiscard]] vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,
-                                                 const std::string& name);
 
 /// The kind of one binding of a descriptor set; `count` > 1 is an array.
 struct BindingKind {
@@ -45,20 +42,11 @@ struct ImageBinding {
 void bind_image(const Device& device, const Bindings& bindings, std::uint32_t binding,
                 const ImageBinding& image, std::uint32_t element = 0);
 
-/// The specialisation constants with ids 0, 1, 2, ... of a shader, as 32-bit words.
-struct Specialization {
-  explicit Specialization(std::vector<std::uint32_t> constants);
-  [[nodiscard]] vk::SpecializationInfo info() const;
-
- private:
-  std::vector<std::uint32_t> constants_;
-  std::vector<vk::SpecializationMapEntry> entries_;
-};
-
+/// `constants`: the specialisation constants with ids 0, 1, 2, ..., as 32-bit words.
 [[nodiscard]] vk::raii::Pipeline make_compute_pipeline(const Device& device,
                                                        const vk::raii::PipelineLayout& layout,
-                                                       const vk::raii::ShaderModule& shader,
-                                                       const Specialization& specialization,
+                                                       std::span<const std::uint32_t> spirv,
+                                                       std::span<const std::uint32_t> constants,
                                                        const std::string& name);
 
 /// A vertex stream. Each is a binding of its own, numbered in the order of GraphicsPipeline::streams.
@@ -72,7 +60,7 @@ struct VertexStream {
 /// blending, in one viewport. Viewport and scissor are dynamic.
 struct GraphicsPipeline {
   std::span<const std::uint32_t> vertex, fragment{};  ///< SPIR-V; `fragment` may be empty: writes depth only
-  std::vector<std::uint32_t> constants{};             ///< of the fragment shader (Specialization)
+  std::vector<std::uint32_t> constants{};             ///< of the fragment shader, as in make_compute_pipeline
   std::vector<VertexStream> streams{};
   std::vector<vk::Format> colors{};  ///< of the colour attachments
   enum class Writes : std::uint8_t { Colors, DepthOnly } writes = Writes::Colors;

@@ -101,9 +101,7 @@ const vk::raii::Pipeline& RequestReprojectionPass::need_pipeline() {
       std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_REQUEST_REPROJECTION_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
   constants[FARSHADE_REQUEST_REPROJECTION_MOVED] = std::ranges::find(plan_.moves, true) != plan_.moves.end();
-  const vk::raii::ShaderModule shader =
-      gpu::make_shader(device_, request_reprojection_comp_spv, "request_reprojection.comp");
-  pipeline_ = gpu::make_compute_pipeline(device_, layout_, shader, gpu::Specialization(std::move(constants)),
+  pipeline_ = gpu::make_compute_pipeline(device_, layout_, request_reprojection_comp_spv, constants,
                                          "request reprojection");
   return pipeline_;
 }

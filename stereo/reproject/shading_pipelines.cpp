@@ -59,7 +59,7 @@ SpirvWords shader_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
   return key.reports ? variants.reports : variants.plain;
 }
 
-gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
+std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& plan) {
   const auto word_of = [](float value) { return std::bit_cast<std::uint32_t>(value); };
   std::vector<std::uint32_t> constants(FARSHADE_CONSTANTS);
   constants[FARSHADE_CONSTANT_LIGHTS] = plan.mask.lights;
@@ -79,7 +79,7 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
   constants[FARSHADE_CONSTANT_CUBE_MASK] = plan.cube_mask;
-  return gpu::Specialization(std::move(constants));
+  return constants;
 }
 
 }  // namespace
@@ -101,9 +101,8 @@ void ShadingPipelines::need_all(const std::set<ShadingKey>& keys, const vk::raii
 
 vk::raii::Pipeline ShadingPipelines::make(const ShadingKey& key,
                                           const vk::raii::PipelineLayout& layout) const {
-  const vk::raii::ShaderModule shader =
-      gpu::make_shader(device_, shader_of(key, plan_.mask.lights, motion_), "shade.comp");
-  return gpu::make_compute_pipeline(device_, layout, shader, constants_of(key, plan_), "shade");
+  return gpu::make_compute_pipeline(device_, layout, shader_of(key, plan_.mask.lights, motion_),
+                                    constants_of(key, plan_), "shade");
 }
 
 }  // namespace farshade

@@ -115,11 +115,9 @@ void TimewarpPass::load(const PerEye<Image<Rgb8>>& picture) {
 const vk::raii::Pipeline& TimewarpPass::need_pipeline(Effect effect) {
   vk::raii::Pipeline& pipeline = pipelines_[static_cast<std::size_t>(effect)];
   if (*pipeline) return pipeline;
-  const vk::raii::ShaderModule shader = gpu::make_shader(device_, timewarp_comp_spv, "timewarp.comp");
   std::vector<std::uint32_t> constants(1);
   constants[FARSHADE_TIMEWARP_CONSTANT_ADDS] = effect == Effect::Add;
-  pipeline = gpu::make_compute_pipeline(device_, layout_, shader, gpu::Specialization(std::move(constants)),
-                                        "timewarp");
+  pipeline = gpu::make_compute_pipeline(device_, layout_, timewarp_comp_spv, constants, "timewarp");
   return pipeline;
 }
 
