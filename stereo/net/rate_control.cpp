@@ -9,193 +9,19 @@ namespace farshade {
 
 namespace {
 
-// The published constants (draft-ietf-rmcat-gcc-02 and libwebrtc's trendline estimator).
-constexpr double kSmoothing = 0.9, kGain = 4, kMostDeltas = 60;
-constexpr double kUp = 0.0087, kDown = 0.039, kLeastThreshold = 6, kMostThreshold = 600, kOutlier = 15;
-constexpr double kOveruseMs = 10;
+// The published constants (draft-ietf-rmcat-gcc-02).
 constexpr double kDecrease = 0.85, kIncrease = 1.08, kBeyondCarried = 1.5;
 
-constexpr Duration kSilence = std::chrono::milliseconds(500);  ///< the trend restarts after it
-constexpr double kJumpMs = 1000;                               ///< a change of delay that no queue causes
-constexpr Duration kOutage = std::chrono::milliseconds(250);
 constexpr Duration kLate =
     std::chrono::milliseconds(250);  ///< a datagram is lost if one came that was sent this much later
 /// Reports that know of no arrival lower the rate after this time: longer than the outages of a radio link.
 constexpr Duration kUnheard = std::chrono::milliseconds(500);
 constexpr Duration kHalving =
     std::chrono::milliseconds(125);  ///< so that a second after the last news it is 1/16
-constexpr Duration kLossWindow = std::chrono::milliseconds(500);
-constexpr Duration kBaseAge = std::chrono::seconds(5);
-constexpr double kExcess = 0.10;
 /// Client times beyond this are invalid; sums with them could overflow.
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;
 
 }  // namespace
-
-std::uint32_t DelayTrend::group_of(Time sent) {
-  const Duration age = sent - sending_since_;
-  if (sending_count_ > 0 && (age >= kLongestGroup || (age >= kGroup && sending_count_ >= kGroupCount))) {
-    ++sending_;
-    sending_count_ = 0;
-  }
-  if (sending_count_++ == 0) sending_since_ = sent;
-  return sending_;
-}
-
-void DelayTrend::add(std::uint32_t number, Time sent, double delay_ms) {
-  if (number + open_.size() <= newest_) return;
-  for (std::uint32_t i = 0; number > newest_ && i < open_.size(); ++i) {
-    // From the oldest on: a group is closed when its place in the ring is needed.
-    std::optional<Group>& oldest = open_[(newest_ + 1 + i) % open_.size()];
-    if (!oldest || oldest->number + open_.size() > number) continue;
-    close(*oldest);
-    oldest.reset();
-  }
-  newest_ = std::max(newest_, number);
-  std::optional<Group>& group = open_[number % open_.size()];
-  if (!group || delay_ms < group->delay_ms) group = {number, sent, delay_ms};
-}
-
-void DelayTrend::restart() {
-  first_.reset();
-  last_.reset();
-  points_ = 0;
-  over_ = 0;
-  over_ms_ = last_trend_ = smoothed_ms_ = 0;
-  verdict_ = Verdict::Normal;
-}
-
-void DelayTrend::close(const Group& group) {
-  if (last_ &&
-      (group.sent - last_->sent > kSilence || !(std::abs(group.delay_ms - last_->delay_ms) < kJumpMs)))
-    restart();
-  if (!first_) first_ = group;
-  const double step_ms = last_ ? ms_of(group.sent - last_->sent) : 0;
-  const double delay_ms = group.delay_ms - first_->delay_ms;
-  smoothed_ms_ = kSmoothing * smoothed_ms_ + (1 - kSmoothing) * delay_ms;
-  x_[points_ % kWindow] = ms_of(group.sent - first_->sent) + delay_ms;  // arrival
-  y_[points_ % kWindow] = smoothed_ms_;
-  ++points_;
-  last_ = group;
-  if (points_ >= kWindow) detect(slope(), step_ms);
-}
-
-double DelayTrend::slope() const {
-  double mean_x = 0, mean_y = 0;
-  for (std::size_t i = 0; i < kWindow; ++i) {
-    mean_x += x_[i] / kWindow;
-    mean_y += y_[i] / kWindow;
-  }
-  double across = 0, along = 0;
-  for (std::size_t i = 0; i < kWindow; ++i) {
-    across += (x_[i] - mean_x) * (y_[i] - mean_y);
-    along += (x_[i] - mean_x) * (x_[i] - mean_x);
-  }
-  return along > 0 ? across / along : last_trend_;
-}
-
-void DelayTrend::detect(double trend, double step_ms) {
-  const double scaled = std::min(static_cast<double>(points_), kMostDeltas) * trend * kGain;
-  if (scaled > threshold_ms_) {
-    over_ms_ += over_ == 0 ? step_ms / 2 : step_ms;
-    ++over_;
-    if (over_ms_ > kOveruseMs && over_ > 1 && trend >= last_trend_) {
-      verdict_ = Verdict::Overuse;
-      over_ms_ = 0;
-      over_ = 0;
-    }
-  } else {
-    over_ms_ = 0;
-    over_ = 0;
-    verdict_ = scaled < -threshold_ms_ ? Verdict::Underuse : Verdict::Normal;
-  }
-  last_trend_ = trend;
-  const double size = std::abs(scaled);
-  if (size > threshold_ms_ + kOutlier) return;
-  threshold_ms_ += (size < threshold_ms_ ? kDown : kUp) * (size - threshold_ms_) * std::min(step_ms, 100.0);
-  threshold_ms_ = std::clamp(threshold_ms_, kLeastThreshold, kMostThreshold);
-}
-
-void ReceivedRate::add(Time arrived, std::size_t bytes) {
-  const std::int64_t bucket = arrived.time_since_epoch() / kBucket;
-  if (!any_ || bucket - newest_ >= kBuckets) {
-    bytes_.fill(0);
-    first_ = newest_ = bucket;
-    any_ = true;
-  }
-  // A bucket before the first could be filled as well: no sum reaches it.
-  if (newest_ - bucket >= kBuckets || bucket < first_) return;
-  const auto slot = [&](std::int64_t i) -> std::uint64_t& {
-    return bytes_[static_cast<std::size_t>((i % kBuckets + kBuckets) % kBuckets)];
-  };
-  while (newest_ < bucket) slot(++newest_) = 0;
-  slot(bucket) += bytes;
-}
-
-std::optional<double> ReceivedRate::bytes_per_second() const {
-  const std::int64_t full = std::min(newest_ - first_, kBuckets - 1);
-  if (!any_ || full * kBucket < std::chrono::milliseconds(100)) return std::nullopt;
-  std::uint64_t sum = 0;
-  for (std::int64_t i = newest_ - full; i < newest_; ++i)
-    sum += bytes_[static_cast<std::size_t>((i % kBuckets + kBuckets) % kBuckets)];
-  return static_cast<double>(sum) / seconds_of(full * kBucket);
-}
-
-void LossMeter::settle(Time sent) {
-  if (run_start_ && counted_to_ - *run_start_ < kOutage) {
-    count_ += run_;
-    lost_ += run_;
-  }
-  run_start_.reset();
-  run_ = 0;
-  counted_to_ = sent;
-}
-
-void LossMeter::arrived(Time sent) {
-  if (sent < from_) return;
-  settle(sent);
-  if (!window_start_) window_start_ = sent;
-  ++count_;
-}
-
-void LossMeter::unreported(Time sent) {
-  if (sent < from_) return;
-  if (!run_start_) run_start_ = sent;
-  counted_to_ = sent;
-}
-
-void LossMeter::lost(Time sent) {
-  if (sent < from_) return;
-  unreported(sent);
-  ++run_;
-}
-
-std::optional<double> LossMeter::next_window() {
-  if (!window_start_ || counted_to_ - *window_start_ < kLossWindow || count_ < kLeastCount)
-    return std::nullopt;
-  loss_ = static_cast<double>(lost_) / count_;
-  if (!base_since_) base_since_ = counted_to_;
-  if (counted_to_ - *base_since_ > kBaseAge) {
-    base_before_ = base_now_;
-    base_now_ = loss_;
-    base_since_ = counted_to_;
-  }
-  base_now_ = std::min(base_now_, loss_);
-  window_start_.reset();
-  count_ = lost_ = 0;
-  return loss_;
-}
-
-void LossMeter::restart(Time from) {
-  from_ = from;
-  window_start_.reset();
-  run_start_.reset();
-  count_ = lost_ = run_ = 0;
-}
-
-bool LossMeter::is_excessive(double loss) const {
-  return loss > base() + kExcess + 2 * std::sqrt(base() * (1 - base()) / kLeastCount);
-}
 
 RateControl::RateControl(RateLimits limits)
     : limits_(limits), rate_(std::clamp(kStart, limits.least, limits.most)) {}

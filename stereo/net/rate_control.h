@@ -6,115 +6,16 @@
 /// (docs/link.md). The caller passes the time. Memory is bounded.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "stereo/messages/arrival_report.h"
+#include "stereo/net/delay_trend.h"
+#include "stereo/net/loss_meter.h"
+#include "stereo/net/received_rate.h"
 
 namespace farshade {
-
-/// Detects a growing queue. It groups datagrams as they are sent; a group has at least kGroupCount datagrams
-/// and lasts at least kGroup. The published 5 ms collect bursts, but the slices here are paced. The delay of
-/// a group is the delay of its fastest datagram: a queue delays that one as well, jitter does not. (The least
-/// of n uniform delays has a spread of 1/n; at 72 Hz and 25 % loss 22 datagrams of a group arrive.) So a
-/// datagram that arrives after its group is closed does no harm.
-class DelayTrend {
- public:
-  enum class Verdict { Normal, Overuse, Underuse };
-
-  /// Returns the group of a datagram that is sent at `sent`. Call it in the order of sending.
-  std::uint32_t group_of(Time sent);
-  /// Records a datagram that arrived. `delay_ms` is arrival minus sending, on two different clocks, so only
-  /// its differences have a meaning.
-  void add(std::uint32_t group, Time sent, double delay_ms);
-
-  [[nodiscard]] Verdict verdict() const { return verdict_; }
-
- private:
-  static constexpr Duration kGroup = std::chrono::milliseconds(25);
-  static constexpr std::uint32_t kGroupCount = 8;
-  static constexpr Duration kLongestGroup = std::chrono::milliseconds(60);  ///< also with fewer datagrams
-  static constexpr std::size_t kWindow = 20;                                ///< groups in the linear fit
-
-  struct Group {
-    std::uint32_t number = 0;
-    Time sent{};  ///< of the fastest datagram, like the delay
-    double delay_ms = 0;
-  };
-
-  void close(const Group& group);
-  void restart();
-  void detect(double trend, double step_ms);
-  [[nodiscard]] double slope() const;
-
-  std::uint32_t sending_ = 0, sending_count_ = 0;  ///< current group, and its number of datagrams
-  Time sending_since_{};
-
-  std::array<std::optional<Group>, 3> open_{};  ///< the newest group and the two before
-  std::uint32_t newest_ = 0;
-
-  std::optional<Group> first_, last_;  ///< groups closed since the restart
-  double smoothed_ms_ = 0;
-  std::array<double, kWindow> x_{}, y_{};
-  std::size_t points_ = 0;  ///< groups closed since the restart
-
-  double threshold_ms_ = 12.5, last_trend_ = 0, over_ms_ = 0;
-  int over_ = 0;  ///< consecutive groups over the threshold
-  Verdict verdict_ = Verdict::Normal;
-};
-
-/// The received rate over the last half second of arrivals, on the client's clock.
-class ReceivedRate {
- public:
-  void add(Time arrived, std::size_t bytes);
-  /// Returns nothing before 100 ms of arrivals are known.
-  [[nodiscard]] std::optional<double> bytes_per_second() const;
-
- private:
-  static constexpr Duration kBucket = std::chrono::milliseconds(25);
-  static constexpr std::int64_t kBuckets = 21;  ///< the newest is incomplete and not counted
-
-  std::array<std::uint64_t, kBuckets> bytes_{};
-  std::int64_t first_ = 0, newest_ = 0;  ///< bucket numbers
-  bool any_ = false;
-};
-
-/// Measures the share of lost datagrams over windows of sending time, and the path's base loss: the least
-/// share of about the last 10 s. A time of 250 ms or more without any arrival is an outage and not counted as
-/// loss.
-class LossMeter {
- public:
-  /// The outcome of each datagram, in the order of sending.
-  void arrived(Time sent);
-  void lost(Time sent);
-  void unreported(Time sent);  ///< in no report: may be part of an outage, but is not a loss
-
-  /// Returns the share of lost datagrams of a window that has ended since the last call.
-  [[nodiscard]] std::optional<double> next_window();
-  /// Starts a new window with the datagrams that are sent from `from` on.
-  void restart(Time from);
-  /// Whether `loss` is above the base loss by more than 10 % and two standard deviations of a window.
-  [[nodiscard]] bool is_excessive(double loss) const;
-  void set_base(double loss) { base_now_ = base_before_ = loss; }
-
-  [[nodiscard]] double loss() const { return loss_; }
-  [[nodiscard]] double base() const { return base_now_ < base_before_ ? base_now_ : base_before_; }
-
- private:
-  static constexpr std::uint32_t kLeastCount = 128;
-
-  void settle(Time sent);
-
-  Time from_{}, counted_to_{};
-  std::optional<Time> window_start_;
-  std::uint32_t count_ = 0, lost_ = 0;
-  std::optional<Time> run_start_;  ///< first of the current consecutive losses
-  std::uint32_t run_ = 0;
-  double loss_ = 0, base_now_ = 0, base_before_ = 0;  ///< bases: least loss of the current and the last 5 s
-  std::optional<Time> base_since_;
-};
 
 struct RateLimits {
   double least = 25e3, most = 12.5e6;  ///< bytes a second
