@@ -219,6 +219,19 @@ Expected<void> greet(const Options& options, Client& client, LinkListener listen
   return connected;
 }
 
+/// The network of a preview may be impaired later, by its sliders.
+void open_network(const Options& options, const LinkModel& model, std::unique_ptr<DatagramPort> port,
+                  Client& client) {
+  if (options.net.empty() && !options.preview) {
+    client.network = std::move(port);
+    return;
+  }
+  auto simulator = impaired(std::move(port), model, client.clock,
+                            [&clock = client.clock](Time steady) { return clock.at(steady); });
+  client.simulator = simulator.get();
+  client.network = std::move(simulator);
+}
+
 /// Lets a client start whose link is not connected, unless the server has refused it.
 Expected<void> allow_silence(const Client& client, Expected<void> connected) {
   const bool keeps_trying =
@@ -255,8 +268,7 @@ Expected<void> open_link(const Options& options, Client& client, const LinkListe
     }
     client.link.reset();
     client.server = server;
-    client.network = impaired(std::move(udp->port), *model, client.clock,
-                              [&clock = client.clock](Time steady) { return clock.at(steady); });
+    open_network(options, *model, std::move(udp->port), client);
     connected = greet(options, client, listener);
     const bool is_silent = !connected && client.link && connected.error().fault == Fault::Missing;
     if (!is_silent || server == servers->back()) break;

@@ -29,7 +29,8 @@ struct Client {
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
   std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
   PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
-  std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
+  std::unique_ptr<DatagramPort> network;  ///< to the server
+  ImpairedPort* simulator = nullptr;      ///< `network`, if it impairs the path: with --net, and in previews
   Peer server;
   std::unique_ptr<NetworkLink> link;   ///< in modes with a server, if a light casts shadows
   Duration round_trip{};               ///< measured during the handshake

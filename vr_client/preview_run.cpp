@@ -223,9 +223,9 @@ class Preview {
   }
 
   void follow_path() {
-    if (!client_.network || followed_ == controls_.path) return;
+    if (client_.simulator == nullptr || followed_ == controls_.path) return;
     followed_ = controls_.path;
-    client_.network->follow(path_of(controls_.path, path_));
+    client_.simulator->follow(path_of(controls_.path, path_));
   }
 
   void toggle_recordings() {
