@@ -1,115 +1,70 @@
 #include "stereo/fetch/fetch_messages.h"
 
-#include "stereo/messages/bytes.h"
+#include "stereo/messages/message_codec.h"
 
 namespace farshade {
-namespace {
 
-enum class FetchType : std::uint8_t {
-  OfferRequest = 1,
-  ContentRequest = 2,
-  OfferPart = 16,
-  Content = 17,
-  Refusal = 18
-};
+namespace codec {
+template <>
+inline constexpr std::uint8_t kTypeOf<OfferRequest> = 1;
+template <>
+inline constexpr std::uint8_t kTypeOf<ContentRequest> = 2;
+template <>
+inline constexpr std::uint8_t kTypeOf<OfferPart> = 16;
+template <>
+inline constexpr std::uint8_t kTypeOf<Content> = 17;
+template <>
+inline constexpr std::uint8_t kTypeOf<FetchRefusal> = 18;
+}  // namespace codec
 
-bool fetch_fields(auto&, OfferRequest&) {
+using codec::Either;
+using codec::kFine;
+using codec::Verdict;
+
+bool fields(auto&, Either<OfferRequest> auto&) {
   return true;
 }
-bool fetch_fields(auto& io, ContentRequest& message) {
+bool fields(auto& io, Either<ContentRequest> auto& message) {
   return io.u64(message.begin) && io.u64(message.end);
 }
-bool fetch_fields(auto& io, OfferPart& message) {
+bool fields(auto& io, Either<OfferPart> auto& message) {
   return io.code(message.more) && io.rest(message.bytes);
 }
-bool fetch_fields(auto& io, Content& message) {
+bool fields(auto& io, Either<Content> auto& message) {
   return io.u64(message.begin) && io.rest(message.bytes);
 }
-bool fetch_fields(auto& io, FetchRefusal& message) {
+bool fields(auto& io, Either<FetchRefusal> auto& message) {
   return io.code(message);
 }
 
-FetchType type_of(const OfferRequest&) {
-  return FetchType::OfferRequest;
+Verdict verdict(const OfferRequest&) {
+  return kFine;
 }
-FetchType type_of(const ContentRequest&) {
-  return FetchType::ContentRequest;
+Verdict verdict(const ContentRequest& m) {
+  return m.begin < m.end ? kFine : WireRefusal::Code;
 }
-FetchType type_of(const OfferPart&) {
-  return FetchType::OfferPart;
+Verdict verdict(const OfferPart& m) {
+  return m.more <= OfferPart::More::Yes && !m.bytes.empty() ? kFine : WireRefusal::Code;
 }
-FetchType type_of(const Content&) {
-  return FetchType::Content;
+Verdict verdict(const Content& m) {
+  return !m.bytes.empty() ? kFine : WireRefusal::Code;
 }
-FetchType type_of(const FetchRefusal&) {
-  return FetchType::Refusal;
+Verdict verdict(const FetchRefusal& m) {
+  return m >= FetchRefusal::Busy && m <= FetchRefusal::Unreadable ? kFine : WireRefusal::Code;
 }
-
-bool is_in_range(const OfferRequest&) {
-  return true;
-}
-bool is_in_range(const ContentRequest& m) {
-  return m.begin < m.end;
-}
-bool is_in_range(const OfferPart& m) {
-  return m.more <= OfferPart::More::Yes && !m.bytes.empty();
-}
-bool is_in_range(const Content& m) {
-  return !m.bytes.empty();
-}
-bool is_in_range(const FetchRefusal& m) {
-  return m >= FetchRefusal::Busy && m <= FetchRefusal::Unreadable;
-}
-
-void encode_any(const auto& messages, std::vector<std::byte>& bytes) {
-  bytes.clear();
-  ByteWriter io(bytes);
-  std::visit(
-      [&](auto message) {
-        check(is_in_range(message), "the fields of a fetch message are in their ranges");
-        io.code(type_of(message));
-        fetch_fields(io, message);
-      },
-      messages);
-  check(bytes.size() <= kBaseMessage_bytes, "a fetch message can be sealed");
-}
-
-template <class Any, class Message>
-Decoded<Any> decode_as(ByteReader& io) {
-  Message message{};
-  if (!fetch_fields(io, message)) return refuse(WireRefusal::Truncated);
-  if (!is_in_range(message)) return refuse(WireRefusal::Code);
-  if (io.remaining() > 0) return refuse(WireRefusal::TrailingBytes);
-  return Any(message);
-}
-
-}  // namespace
 
 void encode(const FetchRequest& message, std::vector<std::byte>& bytes) {
-  encode_any(message, bytes);
+  codec::encode_any(message, kBaseMessage_bytes, bytes);
 }
-
 void encode(const FetchAnswer& message, std::vector<std::byte>& bytes) {
-  encode_any(message, bytes);
+  codec::encode_any(message, kBaseMessage_bytes, bytes);
 }
 
 Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes) {
-  ByteReader io(bytes);
-  FetchType type{};
-  if (!io.code(type)) return refuse(WireRefusal::Truncated);
-  if (type == FetchType::OfferRequest) return decode_as<FetchRequest, OfferRequest>(io);
-  if (type == FetchType::ContentRequest) return decode_as<FetchRequest, ContentRequest>(io);
-  return refuse(WireRefusal::Type);
+  return codec::decode_any<FetchRequest>(bytes, kBaseMessage_bytes);
 }
-
 Decoded<FetchAnswer> decode_fetch_answer(std::span<const std::byte> bytes) {
-  ByteReader io(bytes);
-  FetchType type{};
-  if (!io.code(type)) return refuse(WireRefusal::Truncated);
-  if (type == FetchType::OfferPart) return decode_as<FetchAnswer, OfferPart>(io);
-  if (type == FetchType::Content) return decode_as<FetchAnswer, Content>(io);
-  if (type == FetchType::Refusal) return decode_as<FetchAnswer, FetchRefusal>(io);
-  return refuse(WireRefusal::Type);
+  return codec::decode_any<FetchAnswer>(bytes, kBaseMessage_bytes);
 }
 
 }  // namespace farshade

@@ -46,6 +46,22 @@ Decoded<Message> read(ByteReader io) {
   return message;
 }
 
+/// Replaces `bytes` by the type and the fields of the message that `any` holds, which must be within its
+/// ranges and have at most `most_bytes`.
+template <class... Messages>
+void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes) {
+  bytes.clear();
+  ByteWriter io(bytes);
+  std::visit(
+      [&io]<class Message>(const Message& message) {
+        check(!verdict(message), "a message is within its ranges before it is sent");
+        io.u8(kTypeOf<Message>);
+        fields(io, message);
+      },
+      any);
+  check(bytes.size() <= most_bytes, "a message fits into a sealed datagram");
+}
+
 /// Reads the one of `Messages` whose type number is `type`.
 template <class... Messages>
 Decoded<std::variant<Messages...>> read_any(std::type_identity<std::variant<Messages...>>, std::uint8_t type,
@@ -60,6 +76,16 @@ Decoded<std::variant<Messages...>> read_any(std::type_identity<std::variant<Mess
   };
   static_cast<void>(((type == kTypeOf<Messages> && (take(std::type_identity<Messages>{}), true)) || ...));
   return any;
+}
+
+/// Reads what encode_any has written: `Any` is a std::variant of messages.
+template <class Any>
+Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes) {
+  if (bytes.size() > most_bytes) return refuse(WireRefusal::TooLong);
+  ByteReader io(bytes);
+  std::uint8_t type = 0;
+  if (!io.u8(type)) return refuse(WireRefusal::Truncated);
+  return read_any(std::type_identity<Any>{}, type, io);
 }
 
 }  // namespace farshade::codec

@@ -278,46 +278,19 @@ Verdict verdict(const PathProbe& probe) {
 
 // ---- whole messages
 
-namespace {
-
-template <class... Messages>
-void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes) {
-  bytes.clear();
-  ByteWriter io(bytes);
-  std::visit(
-      [&io]<class Message>(const Message& message) {
-        check(!verdict(message), "a message is within its ranges before it is sent");
-        io.u8(codec::kTypeOf<Message>);
-        fields(io, message);
-      },
-      any);
-  check(bytes.size() <= most_bytes, "a message fits into a sealed datagram");
-}
-
-template <class Any>
-Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes) {
-  if (bytes.size() > most_bytes) return refuse(WireRefusal::TooLong);
-  ByteReader io(bytes);
-  std::uint8_t type = 0;
-  if (!io.u8(type)) return refuse(WireRefusal::Truncated);
-  return codec::read_any(std::type_identity<Any>{}, type, io);
-}
-
-}  // namespace
-
 void encode(const ClientMessage& message, std::vector<std::byte>& bytes) {
-  encode_any(message, kBaseMessage_bytes, bytes);
+  codec::encode_any(message, kBaseMessage_bytes, bytes);
 }
 void encode(const ServerMessage& message, std::vector<std::byte>& bytes) {
-  encode_any(message, kMaxMessage_bytes, bytes);
+  codec::encode_any(message, kMaxMessage_bytes, bytes);
 }
 
 Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes) {
-  return decode_any<ClientMessage>(bytes, kBaseMessage_bytes);
+  return codec::decode_any<ClientMessage>(bytes, kBaseMessage_bytes);
 }
 
 Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes) {
-  return decode_any<ServerMessage>(bytes, kMaxMessage_bytes);
+  return codec::decode_any<ServerMessage>(bytes, kMaxMessage_bytes);
 }
 
 }  // namespace farshade
