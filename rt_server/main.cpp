@@ -15,6 +15,7 @@
 #include "stereo/base/heap.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/gpu/loader.h"
+#include "stereo/messages/layout.h"
 #include "stereo/messages/messages.h"
 #include "stereo/options/command_line.h"
 #include "stereo/options/completion.h"
@@ -110,6 +111,7 @@ std::string about_server() {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  check_layout();
   keep_freed_memory();
   CLI::App app(
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "

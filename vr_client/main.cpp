@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "stereo/base/heap.h"
+#include "stereo/messages/layout.h"
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"
@@ -38,6 +39,7 @@ Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop
 }  // namespace
 
 int main(int argc, char** argv) try {
+  check_layout();
   keep_freed_memory();
   spdlog::set_default_logger(spdlog::stderr_color_mt("vr_client"));
   spdlog::set_pattern("vr_client: %v");

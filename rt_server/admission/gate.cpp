@@ -50,7 +50,7 @@ const SharedKey* Gate::admit(const Peer& from, const Hello& hello, std::span<con
   };
   if (!matches(fresh) && !matches(cookie_for(from, hello.client, period - 1))) {
     ++counters_.retries;
-    encode(Retry{echo_of(hello.client), fresh}, answer);
+    encode(Retry{echo_of(hello.client), fresh, hello.version}, answer);
     return nullptr;
   }
   const auto found = ring_.find(hello.key);

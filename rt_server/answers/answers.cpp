@@ -21,7 +21,7 @@ class Masks final : public RequestHandler {
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     request_ = job.request;
     const bool is_whole = job.request.answer.slices == 0;
-    if (!is_whole) unpack(job.parts);
+    if (!is_whole) unpack(job);
     const TraceStats traced = tracer_.trace(request_, frame_, job.is_given_up);
     go_on_with(job);
     if (request_.answer.coding == Coding::Lz4) return {.traced = traced, .coding = add_block(packer)};
@@ -43,15 +43,15 @@ class Masks final : public RequestHandler {
     return packed;
   }
 
-  void unpack(std::span<const std::vector<std::byte>> messages) {
+  void unpack(const Job& job) {
     request_.requested.lights = tracer_.layout().lights;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const std::uint32_t tiles = TileGrid{request_.views[eye].size}.count();
       request_.requested.tiles[eye].assign(tiles, {});
       come_[eye].assign(tiles, 0);
     }
-    for (const std::vector<std::byte>& message : messages) {
-      const Decoded<ClientMessage> decoded = decode_client(message);
+    for (const std::vector<std::byte>& message : job.parts) {
+      const Decoded<ClientMessage> decoded = decode_client(message, job.version);
       const auto* const slice = decoded ? std::get_if<AskSlice>(&*decoded) : nullptr;
       if (slice == nullptr || slice->lights != request_.requested.lights ||
           slice->size != request_.views[index_of(slice->eye)].size)

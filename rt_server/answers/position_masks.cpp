@@ -18,7 +18,7 @@ class PositionMasks final : public RequestHandler {
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.parts) {
       go_on_with(job);
-      unpack(message);
+      unpack(message, job.version);
     }
     const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_, job.is_given_up)};
     packer.add(frame_, {}, sent_tiles());
@@ -37,8 +37,8 @@ class PositionMasks final : public RequestHandler {
       }
   }
 
-  void unpack(std::span<const std::byte> message) {
-    const Decoded<ClientMessage> decoded = decode_client(message);
+  void unpack(std::span<const std::byte> message, std::uint16_t version) {
+    const Decoded<ClientMessage> decoded = decode_client(message, version);
     if (!decoded) return;
     const auto* const slice = std::get_if<PlaneSlice>(&*decoded);
     if (slice == nullptr || slice->kind < PlaneKind::PositionX) return;

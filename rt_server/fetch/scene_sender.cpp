@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 
 namespace farshade {
 namespace {
@@ -16,7 +16,7 @@ constexpr Duration kLongestSleep = std::chrono::milliseconds(20);
 
 void add(SealedStream& stream, const FetchAnswer& answer) {
   std::vector<std::byte> message;
-  encode(answer, message);
+  encode(answer, message, stream.version());
   stream.add(message);
 }
 
@@ -164,7 +164,8 @@ void SceneSender::serve(Connection& connection, TcpStream stream) {
   bool is_proved = false;
   while (connected) {
     const auto message = connected->receive(is_proved ? within(connection, limits_.silence) : first);
-    const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
+    const auto request =
+        message ? decode_fetch_request(*message, connected->version()) : refuse(WireRefusal::Truncated);
     if (!request) break;
     if (!is_proved && !promote(connection, ring.at(connected->key()))) {
       static_cast<void>(refuse_fetch(*connected, FetchRefusal::Busy, first));

@@ -10,7 +10,7 @@
 #include "rt_server/fetch/send_rate.h"
 #include "rt_server/fetch/served_files.h"
 #include "stereo/base/failure_log.h"
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "stereo/net/sealed_stream.h"
 
 namespace farshade {

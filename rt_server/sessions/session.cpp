@@ -93,10 +93,11 @@ ClientSession::ClientSession(const SharedKey& key, const Peer& client, const Pub
     : name_(key.name),
       key_(id_of(key)),
       id_(accepted.keys.session),
+      version_(accepted.keys.version),
       hello_(hello),
       accept_(accepted.datagram),
       opener_(accepted.keys.to_server, accepted.keys.sealing),
-      sealer_(accepted.keys.session, accepted.keys.to_client, accepted.keys.sealing),
+      sealer_(id_, accepted.keys.to_client, accepted.keys.sealing, version_),
       limits_(limits),
       most_pixels_(served.most_pixels),
       answers_(served.answers),
@@ -116,7 +117,7 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   last_received_ = now;
   confirmed_ = true;
   sealer_.renew(now);
-  const Decoded<ClientMessage> message = decode_client(*opened);
+  const Decoded<ClientMessage> message = decode_client(*opened, version_);
   if (!message) return refuse(message.error());
   if (std::holds_alternative<Leave>(*message)) return ReceivedMessage::Left;
   if (const auto* slice = std::get_if<PlaneSlice>(&*message))
@@ -166,7 +167,7 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
 }
 
 std::uint64_t ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
-  encode(Probe{token}, message_);
+  encode(Probe{token}, message_, version_);
   return sealer_.seal(message_, probe);
 }
 
@@ -174,7 +175,7 @@ std::uint64_t ClientSession::seal_probe(std::uint64_t token, std::vector<std::by
 void ClientSession::probe_path(Time now, std::vector<std::byte>& probe) {
   const std::optional<std::size_t> size = path_mtu_.next_probe(now);
   if (!size) return;
-  encode(PathProbe{std::span(PathProbe::kZeros).first(*size - kSealing_bytes - 1)}, message_);
+  encode(PathProbe{std::span(PathProbe::kZeros).first(*size - kSealing_bytes - 1)}, message_, version_);
   const std::uint64_t counter = sealer_.seal(message_, probe);
   rate_.sent_elsewhere(counter, now);
   path_mtu_.probed(counter, now);
@@ -216,7 +217,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   std::optional<Job>& waiting = waiting_for(message.request);
   const bool superseded = waiting.has_value();
   if (superseded) ++superseded_;
-  waiting = Job{.session = id_, .key = key_, .request = message.request, .arrived = now};
+  waiting = Job{.session = id_, .key = key_, .version = version_, .request = message.request, .arrived = now};
   waiting->request.lights = lights_;
   if (!is_cube_mask) {
     requested_answer_ = answer;
@@ -320,7 +321,7 @@ void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, 
 
 void ClientSession::seal_goodbye(EndReason reason, std::vector<std::byte>& datagram) {
   outbox_.drop();
-  encode(Goodbye{reason}, message_);
+  encode(Goodbye{reason}, message_, version_);
   sealer_.seal(message_, datagram);
 }
 

@@ -218,7 +218,7 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
                                       std::vector<std::byte>& answer) {
   ClientSession* const session = find(sealed.session);
   if (session == nullptr) {
-    encode(NoSession{sealed.session}, answer);
+    encode(NoSession{sealed.session, sealed.version}, answer);
     check(answer.size() <= datagram.size(), "an answer is no longer than the datagram that it answers");
     return refuse(WireRefusal::UnknownSession);
   }

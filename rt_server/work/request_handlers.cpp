@@ -39,7 +39,7 @@ AnswerCost RequestHandlers::answer(const Job& job, FramePacker& packer, Time now
     for (std::size_t i = 0; i < kAnswers; ++i)
       if ((lost.answers & set_of(static_cast<Answer>(i))) != 0) handlers_[i].reset();
   } catch (const std::bad_alloc&) {
-    packer.begin();
+    packer.begin(job.most_message_bytes, job.version);
     return without_memory(now);
   } catch (const std::exception& error) {
     none.rebuilt_too_often = dynamic_cast<const RebuiltTooOften*>(&error) != nullptr;
@@ -47,7 +47,7 @@ AnswerCost RequestHandlers::answer(const Job& job, FramePacker& packer, Time now
     if (const auto line = failures_.failed(error.what(), now))
       spdlog::warn("a request cannot be answered: {}", *line);
   }
-  packer.begin();
+  packer.begin(job.most_message_bytes, job.version);
   return none;
 }
 

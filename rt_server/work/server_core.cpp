@@ -247,7 +247,7 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
     if (is_given_up(stop)) given_up = true;
     return given_up.load();
   };
-  packer_.begin(job.most_message_bytes);
+  packer_.begin(job.most_message_bytes, job.version);
   const auto [traced, draw, coding, lacked_memory, rebuilt_too_often, too_large] =
       job.is_too_costly ? AnswerCost{} : answers_.answer(job, packer_, begun);
   if (lacked_memory) ++out_of_memory_;

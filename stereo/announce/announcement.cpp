@@ -12,13 +12,27 @@
 namespace farshade {
 namespace {
 
-constexpr std::string_view kSearch = "auto", kProtocolKey = "protocol";
+constexpr std::string_view kSearch = "auto", kProtocolKey = "protocol", kNewestKey = "newest";
 constexpr std::size_t kMostListed = 8;
 
-bool is_protocol_key(std::string_view key) {
-  return std::ranges::equal(key, kProtocolKey, [](char given, char lower) {
+bool is_key(std::string_view given_key, std::string_view key) {
+  return std::ranges::equal(given_key, key, [](char given, char lower) {
     return std::tolower(static_cast<unsigned char>(given)) == lower;
   });
+}
+
+/// The version with this key.
+std::optional<std::uint16_t> version_of(std::span<const std::string> txt, std::string_view key) {
+  for (const std::string& pair : txt) {
+    const std::size_t equals = pair.find('=');
+    if (!is_key(std::string_view(pair).substr(0, equals), key)) continue;
+    if (equals == pair.npos) return std::nullopt;
+    std::uint16_t version = 0;
+    const char *const begin = pair.data() + equals + 1, *const end = pair.data() + pair.size();
+    const auto [stop, error] = std::from_chars(begin, end, version);
+    return error == std::errc{} && stop == end ? std::optional(version) : std::nullopt;
+  }
+  return std::nullopt;
 }
 
 int rank(const Peer& peer) {
@@ -61,20 +75,14 @@ Expected<FoundServer> missing(const std::string& name, const std::vector<FoundSe
 }  // namespace
 
 std::vector<std::string> announcement_txt() {
-  return {"txtvers=1", std::string(kProtocolKey) + "=" + std::to_string(kProtocolVersion)};
+  return {"txtvers=1", std::string(kProtocolKey) + "=" + std::to_string(kPreviousVersion),
+          std::string(kNewestKey) + "=" + std::to_string(kProtocolVersion)};
 }
 
+/// Clients of version 10 read `protocol` alone.
 std::optional<std::uint16_t> announced_protocol(std::span<const std::string> txt) {
-  for (const std::string& pair : txt) {
-    const std::size_t equals = pair.find('=');
-    if (!is_protocol_key(std::string_view(pair).substr(0, equals))) continue;
-    if (equals == pair.npos) return std::nullopt;
-    std::uint16_t version = 0;
-    const char *const begin = pair.data() + equals + 1, *const end = pair.data() + pair.size();
-    const auto [stop, error] = std::from_chars(begin, end, version);
-    return error == std::errc{} && stop == end ? std::optional(version) : std::nullopt;
-  }
-  return std::nullopt;
+  const std::optional<std::uint16_t> newest = version_of(txt, kNewestKey);
+  return newest == kProtocolVersion ? newest : version_of(txt, kProtocolKey);
 }
 
 bool is_link_local_v6(const Peer& peer) {

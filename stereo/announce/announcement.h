@@ -18,12 +18,13 @@ namespace farshade {
 
 inline constexpr const char* kServiceType = "_farshade._udp";
 
-/// The strings of the TXT record: `txtvers=1` and `protocol=N`. They contain nothing about scene, keys or
-/// user.
+/// The strings of the TXT record: `txtvers=1`, and the versions of the protocol that the server speaks:
+/// `protocol=N` is the oldest one, `newest=N` its own. They contain nothing about scene, keys or user.
 [[nodiscard]] std::vector<std::string> announcement_txt();
 
-/// The protocol version in a TXT record; nothing if the record has no sound one. As in RFC 6763, capitals do
-/// not count in keys, the first of several equal keys counts, and unknown keys are skipped.
+/// This program's protocol version if a TXT record has it, otherwise its `protocol`; nothing if the record
+/// has no sound one. As in RFC 6763, capitals do not count in keys, the first of several equal keys counts,
+/// and unknown keys are skipped.
 [[nodiscard]] std::optional<std::uint16_t> announced_protocol(std::span<const std::string> txt);
 
 struct FoundServer {

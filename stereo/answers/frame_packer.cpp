@@ -33,8 +33,9 @@ void FramePacker::sort_from(std::size_t first) {
   std::ranges::move(sorted, datagrams_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-void FramePacker::begin(std::size_t most_bytes) {
+void FramePacker::begin(std::size_t most_bytes, std::uint16_t version) {
   most_bytes_ = most_bytes;
+  version_ = version;
   datagrams_.clear();
   payload_bytes_ = 0;
   packing_ = {};
@@ -42,7 +43,7 @@ void FramePacker::begin(std::size_t most_bytes) {
 
 void FramePacker::add(const ServerMessage& message) {
   std::vector<std::byte>& datagram = next_datagram();
-  encode(message, datagram);
+  encode(message, datagram, version_);
   payload_bytes_ += datagram.size();
 }
 
@@ -100,7 +101,7 @@ std::vector<std::vector<std::byte>> FramePacker::finish(FrameReport report) {
   report.slices = narrow<std::uint32_t>(datagrams_.size());
   report.payload_bytes = narrow<std::uint32_t>(payload_bytes_);
   report.pack += packing_;
-  encode(report, next_datagram());
+  encode(report, next_datagram(), version_);
   return std::exchange(datagrams_, {});
 }
 

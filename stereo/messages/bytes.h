@@ -12,13 +12,27 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/clock.h"
+#include "stereo/messages/version.h"
 
 namespace farshade {
 
-/// Appends to `out`, which it does not own. Never fails: a value that does not fit its field fails a check.
-class ByteWriter {
+/// Fields that not every version of the protocol has: `!io.since(12) || io.u8(message.field)`.
+class VersionedFields {
  public:
-  explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
+  explicit VersionedFields(std::uint16_t version = kProtocolVersion) : number_(number_of(version)) {}
+
+  /// The fields are those of protocol number `number` or of a later one.
+  [[nodiscard]] bool since(unsigned number) const { return number_ >= number; }
+
+ private:
+  unsigned number_;
+};
+
+/// Appends to `out`, which it does not own. Never fails: a value that does not fit its field fails a check.
+class ByteWriter : public VersionedFields {
+ public:
+  explicit ByteWriter(std::vector<std::byte>& out, std::uint16_t version = kProtocolVersion)
+      : VersionedFields(version), out_(out) {}
 
   bool u8(std::integral auto value) { return put<std::uint8_t>(value); }
   bool u16(std::integral auto value) { return put<std::uint16_t>(value); }
@@ -58,9 +72,10 @@ class ByteWriter {
 };
 
 /// Reads foreign bytes. A read beyond the end returns false and changes nothing. Allocates nothing.
-class ByteReader {
+class ByteReader : public VersionedFields {
  public:
-  explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit ByteReader(std::span<const std::byte> bytes, std::uint16_t version = kProtocolVersion)
+      : VersionedFields(version), bytes_(bytes) {}
 
   [[nodiscard]] std::size_t remaining() const { return bytes_.size(); }
 
@@ -125,5 +140,9 @@ class ByteReader {
 
   std::span<const std::byte> bytes_;
 };
+
+/// A ByteReader or a LayoutRecorder (layout.h), for field lists that differ from those of a ByteWriter.
+template <class T>
+concept Reader = !std::same_as<T, ByteWriter>;
 
 }  // namespace farshade

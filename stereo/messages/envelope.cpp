@@ -57,7 +57,7 @@ bool fields(ByteWriter& io, const Sealed& sealed) {
   return fields(io, sealed.session) && io.u64(std::uint64_t{sealed.epoch} << kCounterBits | sealed.counter) &&
          io.rest(sealed.sealed);
 }
-bool fields(ByteReader& io, Sealed& sealed) {
+bool fields(Reader auto& io, Sealed& sealed) {
   std::uint64_t both = 0;
   if (!fields(io, sealed.session) || !io.u64(both)) return false;
   sealed.epoch = static_cast<std::uint16_t>(both >> kCounterBits);
@@ -96,13 +96,14 @@ Decoded<codec::Header> read_header(ByteReader& io, std::size_t most_bytes) {
 /// Cheapest checks first, so that a flood of Hellos is cheap.
 Decoded<ClientEnvelope> read_hello(ByteReader io, std::uint16_t version) {
   if (io.remaining() + 7 != kBaseDatagram_bytes) return refuse(WireRefusal::Padding);
-  if (version != kProtocolVersion) {
+  if (!is_spoken(version)) {
     ForeignHello foreign{.version = version};
     io.array(foreign.echo);
     return foreign;
   }
   Hello hello;
   fields(io, hello);
+  hello.version = version;
   std::span<const std::byte> padding;
   io.rest(padding);
   if (std::ranges::any_of(padding, [](std::byte b) { return b != std::byte{0}; }))
@@ -117,9 +118,8 @@ void encode(const Envelope& any, std::vector<std::byte>& datagram) {
   ByteWriter io(datagram);
   std::visit(
       [&]<class Kind>(const Kind& envelope) {
-        codec::Header header{.version = kProtocolVersion, .type = codec::kTypeOf<Kind>};
-        if constexpr (std::is_same_v<Kind, OpenRefusal>) header.version = envelope.version;
-        fields(io, std::as_const(header));
+        const codec::Header header{.version = envelope.version, .type = codec::kTypeOf<Kind>};
+        fields(io, header);
         fields(io, envelope);
       },
       any);
@@ -132,10 +132,11 @@ Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram
   const Decoded<codec::Header> header = read_header(io, kBaseDatagram_bytes);
   if (!header) return refuse(header.error());
   if (header->type == codec::kTypeOf<Hello>) return read_hello(io, header->version);
-  if (header->version != kProtocolVersion) return refuse(WireRefusal::Version);
+  if (!is_spoken(header->version)) return refuse(WireRefusal::Version);
   if (header->type != codec::kTypeOf<Sealed>) return refuse(WireRefusal::Type);
-  const Decoded<Sealed> sealed = codec::read<Sealed>(io);
+  Decoded<Sealed> sealed = codec::read<Sealed>(io);
   if (!sealed) return refuse(sealed.error());
+  sealed->version = header->version;
   return *sealed;
 }
 
@@ -143,12 +144,17 @@ Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram
   ByteReader io(datagram);
   const Decoded<codec::Header> header = read_header(io, kMaxDatagram_bytes);
   if (!header) return refuse(header.error());
-  if (header->version != kProtocolVersion && header->type != codec::kTypeOf<OpenRefusal>)
+  if (!is_spoken(header->version) && header->type != codec::kTypeOf<OpenRefusal>)
     return refuse(WireRefusal::Version);
   Decoded<ServerEnvelope> envelope = codec::read_any(std::type_identity<ServerEnvelope>{}, header->type, io);
-  if (envelope)
-    if (auto* refusal = std::get_if<OpenRefusal>(&*envelope)) refusal->version = header->version;
+  if (envelope) std::visit([&](auto& any) { any.version = header->version; }, *envelope);
   return envelope;
+}
+
+void record_envelopes(LayoutRecorder& io) {
+  codec::Header header;
+  fields(io, header);
+  codec::record_any(std::type_identity<Envelope>{}, io);
 }
 
 }  // namespace farshade

@@ -14,6 +14,8 @@
 
 namespace farshade {
 
+// `version` is that of the header, which every envelope has; a server answers in that of the client's Hello.
+
 using PublicKey = std::array<std::uint8_t, 32>;  ///< X25519, for one handshake
 /// The first bytes of a Hello's public key: an answer repeats them to tell which Hello it answers.
 using HelloEcho = std::array<std::uint8_t, 16>;
@@ -35,10 +37,11 @@ struct Hello {
   ContentHash scene_hash{};
   Cookie cookie{};
   std::array<std::uint8_t, 32> proof{};  ///< keyed hash of all bytes before it
+  std::uint16_t version = kProtocolVersion;
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
-/// A Hello of another version. Only these fields are the same in every version.
+/// A Hello of a version that the server does not speak. Only these fields are the same in every version.
 struct ForeignHello {
   std::uint16_t version = 0;
   HelloEcho echo{};
@@ -50,6 +53,7 @@ struct ForeignHello {
 struct Retry {
   HelloEcho echo{};
   Cookie cookie{};
+  std::uint16_t version = kProtocolVersion;
   friend bool operator==(const Retry&, const Retry&) = default;
 };
 
@@ -68,12 +72,14 @@ struct Accept {
   SessionId session{};
   PublicKey server{};
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
+  std::uint16_t version = kProtocolVersion;
 };
 
 /// The server does not have the session of a sealed datagram: it was restarted, or the session timed out.
 /// Anybody could have sent it, so it makes a client send a Hello but does not end the session.
 struct NoSession {
   SessionId session{};
+  std::uint16_t version = kProtocolVersion;
   friend bool operator==(const NoSession&, const NoSession&) = default;
 };
 
@@ -84,6 +90,7 @@ struct Sealed {
   std::uint64_t counter = 0;            ///< on the wire the low 48 bits of eight bytes
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
   std::uint16_t epoch = 0;              ///< number of the key (seal.h): the high 16 bits
+  std::uint16_t version = kProtocolVersion;
 };
 
 /// Bytes of a Sealed before `sealed`. The tag authenticates them, too.

@@ -49,7 +49,7 @@ bool fields(auto& io, codec::Either<LightPose> auto& pose) {
 inline bool fields(ByteWriter& io, const Exposure& exposure) {
   return io.u16(exposure.quarter_stops + Exposure::kMostQuarterStops);
 }
-inline bool fields(ByteReader& io, Exposure& exposure) {
+bool fields(Reader auto& io, Exposure& exposure) {
   if (!io.u16(exposure.quarter_stops)) return false;
   exposure.quarter_stops -= Exposure::kMostQuarterStops;
   return true;
@@ -61,7 +61,7 @@ inline bool fields(ByteWriter& io, const LightChange& change) {
   return io.u16(change.light) && io.u32(change.revision.value) && io.u8(flags) &&
          (!change.pose || fields(io, *change.pose));
 }
-inline bool fields(ByteReader& io, LightChange& change) {
+bool fields(Reader auto& io, LightChange& change) {
   std::uint8_t flags = 0;
   if (!io.u16(change.light) || !io.u32(change.revision.value) || !io.u8(flags)) return false;
   if (flags > 3) change.light = kMaxLights;  // unknown flags: the range check refuses the change

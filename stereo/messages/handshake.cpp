@@ -55,6 +55,7 @@ struct Schedule {
   Secret up, down;  ///< from crypto_kx: from the client, and to the client
   const SharedKey& key;
   std::array<std::uint8_t, 32> transcript;
+  std::uint16_t version;
 
   [[nodiscard]] Secret derive(std::string_view label) const {
     return Secret(
@@ -64,7 +65,8 @@ struct Schedule {
     return {.session = id,
             .to_server = derive("farshade-2 to server"),
             .to_client = derive("farshade-2 to client"),
-            .sealing = key == insecure_key() ? Sealing::Off : Sealing::On};
+            .sealing = key == insecure_key() ? Sealing::Off : Sealing::On,
+            .version = version};
   }
   [[nodiscard]] Secret accept_key() const { return derive("farshade-2 accept"); }
 };
@@ -98,8 +100,8 @@ HelloEcho echo_of(const PublicKey& client) {
   return echo;
 }
 
-ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash)
-    : key_(key), scene_hash_(scene_hash) {
+ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, std::uint16_t version)
+    : key_(key), scene_hash_(scene_hash), version_(version) {
   ready();
   crypto_kx_keypair(public_.data(), secret_.data());
 }
@@ -109,7 +111,11 @@ HelloEcho ClientHandshake::echo() const {
 }
 
 void ClientHandshake::write_hello(std::vector<std::byte>& datagram) const {
-  Hello hello{.client = public_, .key = id_of(key_), .scene_hash = scene_hash_, .cookie = cookie_};
+  Hello hello{.client = public_,
+              .key = id_of(key_),
+              .scene_hash = scene_hash_,
+              .cookie = cookie_,
+              .version = version_};
   encode(hello, datagram);
   hello.proof = proof_of(datagram, key_);
   encode(hello, datagram);
@@ -126,14 +132,15 @@ std::optional<ClientHandshake::Completed> ClientHandshake::take(const Accept& ac
   if (accept.echo != echo()) return std::nullopt;
   std::vector<std::byte> hello;
   write_hello(hello);
-  Schedule schedule{.up = {}, .down = {}, .key = key_, .transcript = transcript_of(hello, datagram)};
+  Schedule schedule{
+      .up = {}, .down = {}, .key = key_, .transcript = transcript_of(hello, datagram), .version = version_};
   if (crypto_kx_client_session_keys(schedule.down.data(), schedule.up.data(), public_.data(), secret_.data(),
                                     accept.server.data()) != 0)
     return std::nullopt;
   const SessionKeys keys = schedule.session(accept.session);
   std::vector<std::byte> message;
   if (!open_alone(schedule.accept_key(), keys.sealing, accept.sealed, message)) return std::nullopt;
-  const Decoded<ServerMessage> answer = decode_server(message);
+  const Decoded<ServerMessage> answer = decode_server(message, version_);
   if (!answer || !(std::holds_alternative<Welcome>(*answer) || std::holds_alternative<Refusal>(*answer)))
     return std::nullopt;
   return Completed{keys, *answer};
@@ -147,19 +154,22 @@ bool is_proved(const Hello& hello, std::span<const std::byte> datagram, const Sh
 std::optional<Accepted> accept(const Hello& hello, std::span<const std::byte> hello_datagram,
                                const SharedKey& key, const ServerMessage& answer) {
   ready();
-  Accept accept{.echo = echo_of(hello.client), .session = random_session()};
+  Accept accept{.echo = echo_of(hello.client), .session = random_session(), .version = hello.version};
   Secret secret;
   crypto_kx_keypair(accept.server.data(), secret.data());
   Accepted accepted;
   encode(accept, accepted.datagram);
-  Schedule schedule{
-      .up = {}, .down = {}, .key = key, .transcript = transcript_of(hello_datagram, accepted.datagram)};
+  Schedule schedule{.up = {},
+                    .down = {},
+                    .key = key,
+                    .transcript = transcript_of(hello_datagram, accepted.datagram),
+                    .version = hello.version};
   if (crypto_kx_server_session_keys(schedule.up.data(), schedule.down.data(), accept.server.data(),
                                     secret.data(), hello.client.data()) != 0)
     return std::nullopt;
   accepted.keys = schedule.session(accept.session);
   std::vector<std::byte> message;
-  encode(answer, message);
+  encode(answer, message, hello.version);
   const std::vector<std::byte> sealed = seal_alone(schedule.accept_key(), accepted.keys.sealing, message);
   accepted.datagram.insert(accepted.datagram.end(), sealed.begin(), sealed.end());
   return accepted;

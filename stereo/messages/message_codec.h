@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "stereo/messages/bytes.h"
+#include "stereo/messages/layout.h"
 #include "stereo/messages/refusal.h"
 
 namespace farshade::codec {
@@ -49,9 +50,10 @@ Decoded<Message> read(ByteReader io) {
 /// Replaces `bytes` by the type and the fields of the message that `any` holds, which must be within its
 /// ranges and have at most `most_bytes`.
 template <class... Messages>
-void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes) {
+void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes,
+                std::uint16_t version = kProtocolVersion) {
   bytes.clear();
-  ByteWriter io(bytes);
+  ByteWriter io(bytes, version);
   std::visit(
       [&io]<class Message>(const Message& message) {
         check(!verdict(message), "a message is within its ranges before it is sent");
@@ -80,12 +82,23 @@ Decoded<std::variant<Messages...>> read_any(std::type_identity<std::variant<Mess
 
 /// Reads what encode_any has written: `Any` is a std::variant of messages.
 template <class Any>
-Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes) {
+Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes,
+                        std::uint16_t version = kProtocolVersion) {
   if (bytes.size() > most_bytes) return refuse(WireRefusal::TooLong);
-  ByteReader io(bytes);
+  ByteReader io(bytes, version);
   std::uint8_t type = 0;
   if (!io.u8(type)) return refuse(WireRefusal::Truncated);
   return read_any(std::type_identity<Any>{}, type, io);
+}
+
+/// Records the fields of each of `Messages`.
+template <class... Messages>
+void record_any(std::type_identity<std::variant<Messages...>>, LayoutRecorder& io) {
+  const auto record = [&]<class Message>(Message message) {
+    io.type(kTypeOf<Message>);
+    fields(io, message);
+  };
+  (record(Messages{}), ...);
 }
 
 }  // namespace farshade::codec

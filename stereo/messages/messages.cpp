@@ -51,7 +51,7 @@ bool frames_behind_field(ByteWriter& io, const RequestMessage& message) {
   const std::optional<FrameId> newest = message.newest_received;
   return io.u32(newest ? message.request.frame.value - newest->value : 0u);
 }
-bool frames_behind_field(ByteReader& io, RequestMessage& message) {
+bool frames_behind_field(Reader auto& io, RequestMessage& message) {
   std::uint32_t behind = 0;
   if (!io.u32(behind)) return false;
   if (behind != 0) message.newest_received = FrameId{message.request.frame.value - behind};
@@ -63,7 +63,7 @@ bool fields(ByteWriter& io, const LightChanges& changes) {
   for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
   return fine;
 }
-bool fields(ByteReader& io, LightChanges& changes) {
+bool fields(Reader auto& io, LightChanges& changes) {
   std::uint8_t count = 0;
   if (!io.u32(changes.revision.value) || !io.u8(count)) return false;
   // Reads one more than allowed, so that the range check sees that there are too many.
@@ -278,19 +278,24 @@ Verdict verdict(const PathProbe& probe) {
 
 // ---- whole messages
 
-void encode(const ClientMessage& message, std::vector<std::byte>& bytes) {
-  codec::encode_any(message, kBaseMessage_bytes, bytes);
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes, std::uint16_t version) {
+  codec::encode_any(message, kBaseMessage_bytes, bytes, version);
 }
-void encode(const ServerMessage& message, std::vector<std::byte>& bytes) {
-  codec::encode_any(message, kMaxMessage_bytes, bytes);
-}
-
-Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes) {
-  return codec::decode_any<ClientMessage>(bytes, kBaseMessage_bytes);
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes, std::uint16_t version) {
+  codec::encode_any(message, kMaxMessage_bytes, bytes, version);
 }
 
-Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes) {
-  return codec::decode_any<ServerMessage>(bytes, kMaxMessage_bytes);
+Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes, std::uint16_t version) {
+  return codec::decode_any<ClientMessage>(bytes, kBaseMessage_bytes, version);
+}
+
+Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes, std::uint16_t version) {
+  return codec::decode_any<ServerMessage>(bytes, kMaxMessage_bytes, version);
+}
+
+void record_messages(LayoutRecorder& io) {
+  codec::record_any(std::type_identity<ClientMessage>{}, io);
+  codec::record_any(std::type_identity<ServerMessage>{}, io);
 }
 
 }  // namespace farshade

@@ -21,10 +21,10 @@
 #include "stereo/frame/view_scale.h"
 #include "stereo/messages/arrival_report.h"
 #include "stereo/messages/refusal.h"
+#include "stereo/messages/version.h"
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 10;
 /// UDP payload, sealing included: what every path must carry (as for QUIC, RFC 9000, 14), and the most that a
 /// client sends.
 inline constexpr std::size_t kBaseDatagram_bytes = 1200;
@@ -215,13 +215,16 @@ using ServerMessage =
 // ---- bytes
 
 /// Replaces `bytes` by the message's bytes: at most kBaseMessage_bytes of a client's, kMaxMessage_bytes of a
-/// server's. Checks that its fields are in their
-/// ranges.
-void encode(const ClientMessage& message, std::vector<std::byte>& bytes);
-void encode(const ServerMessage& message, std::vector<std::byte>& bytes);
+/// server's. Checks that its fields are in their ranges. `version` is that of the session.
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes,
+            std::uint16_t version = kProtocolVersion);
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes,
+            std::uint16_t version = kProtocolVersion);
 
 /// Blocks and parts of the result point into `bytes`.
-[[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes);
-[[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes);
+[[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes,
+                                                   std::uint16_t version = kProtocolVersion);
+[[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes,
+                                                   std::uint16_t version = kProtocolVersion);
 
 }  // namespace farshade

@@ -78,7 +78,8 @@ std::uint64_t Sealer::seal(std::span<const std::byte> message, std::vector<std::
   check(next_ <= ReplayWindow::kMostCounter, "no session lasts that long");
   if (next_ - epoch_first_ >= most_) begin_epoch();
   const std::uint64_t counter = next_++;
-  encode(Sealed{.session = session_, .counter = counter, .sealed = {}, .epoch = epoch_}, datagram);
+  encode(Sealed{.session = session_, .counter = counter, .sealed = {}, .epoch = epoch_, .version = version_},
+         datagram);
   datagram.reserve(kMaxDatagram_bytes);  // so that `around` is not reallocated
   append_sealed(key_, sealing_, counter, std::span(datagram).first(kSealedHeader_bytes), message, datagram);
   return counter;

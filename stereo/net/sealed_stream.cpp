@@ -82,7 +82,9 @@ Expected<SealedStream> SealedStream::admit(TcpStream stream, StreamPurpose purpo
   if (auto sent = connected.flush(waiting); !sent) return tl::unexpected(sent.error());
   connected.served_ = served;
   connected.key_ = key->first;
-  connected.sealer_.emplace(accepted->keys.session, accepted->keys.to_client, accepted->keys.sealing);
+  connected.version_ = hello->version;
+  connected.sealer_.emplace(accepted->keys.session, accepted->keys.to_client, accepted->keys.sealing,
+                            hello->version);
   connected.opener_.emplace(accepted->keys.to_server, accepted->keys.sealing);
   return connected;
 }

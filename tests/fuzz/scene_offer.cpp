@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "tests/fuzz/target.h"
 
 using namespace farshade;

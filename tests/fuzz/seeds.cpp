@@ -160,8 +160,12 @@ void save_envelopes(const fs::path& folder) {
   const Bytes sealed(24, std::byte{0x5e});
   Bytes foreign = enveloped(hello());
   foreign[4] = std::byte{9};  // version
+  foreign[5] = std::byte{0};
+  Hello of_previous = hello();
+  of_previous.version = kPreviousVersion;
   save(folder / "hello", after(0, enveloped(hello())));
   save(folder / "hello_of_version_9", after(0, foreign));
+  save(folder / "hello_of_the_previous_version", after(0, enveloped(of_previous)));
   save(folder / "sealed_to_server", after(0, enveloped(Sealed{SessionId{1}, 2, sealed})));
   save(folder / "retry", after(1, enveloped(retry())));
   save(folder / "open_refusal", after(1, enveloped(open_refusal())));

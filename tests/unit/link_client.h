@@ -35,8 +35,11 @@ inline FrameRequest request_of(std::uint32_t frame, Extent size) {
 }
 
 struct LinkClient {
-  LinkClient(SharedKey client_key, const Welcome& served)
-      : key(std::move(client_key)), scene(served), handshake(key, served.scene_hash) {}
+  LinkClient(SharedKey client_key, const Welcome& served, std::uint16_t protocol = kProtocolVersion)
+      : key(std::move(client_key)),
+        scene(served),
+        version(protocol),
+        handshake(key, served.scene_hash, protocol) {}
 
   [[nodiscard]] Bytes hello() const {
     Bytes datagram;
@@ -50,7 +53,7 @@ struct LinkClient {
   }
   Bytes seal(const RequestMessage& message) {
     Bytes bytes, datagram;
-    encode(ClientMessage(message), bytes);
+    encode(ClientMessage(message), bytes, version);
     sealer->seal(bytes, datagram);
     return datagram;
   }
@@ -60,14 +63,16 @@ struct LinkClient {
     const Decoded<ServerEnvelope> envelope = open_server_envelope(datagram);
     if (!envelope) {
       refused.count(envelope.error());
+    } else if (const auto* no = std::get_if<OpenRefusal>(&*envelope)) {
+      open_refusal = *no;
+    } else if (std::visit([](const auto& any) { return any.version; }, *envelope) != version) {
+      refused.count(WireRefusal::Version);
     } else if (const auto* sealed = std::get_if<Sealed>(&*envelope)) {
       take_sealed(*sealed, datagram, arrived);
     } else if (const auto* retry = std::get_if<Retry>(&*envelope)) {
       if (handshake.take(*retry)) return hello();
     } else if (const auto* accept = std::get_if<Accept>(&*envelope)) {
       take_accept(*accept, datagram);
-    } else if (const auto* no = std::get_if<OpenRefusal>(&*envelope)) {
-      open_refusal = *no;
     } else {
       ++no_session;
     }
@@ -76,6 +81,7 @@ struct LinkClient {
 
   SharedKey key;
   Welcome scene;
+  std::uint16_t version;
   ClientHandshake handshake;
   std::optional<SessionId> session{};
   std::optional<SessionKeys> keys{};
@@ -102,7 +108,8 @@ struct LinkClient {
     welcome = std::get<Welcome>(completed->answer);
     session = completed->keys.session;
     keys = completed->keys;
-    sealer.emplace(completed->keys.session, completed->keys.to_server, completed->keys.sealing);
+    sealer.emplace(completed->keys.session, completed->keys.to_server, completed->keys.sealing,
+                   completed->keys.version);
     opener.emplace(completed->keys.to_client, completed->keys.sealing);
   }
   void take_sealed(const Sealed& sealed, std::span<const std::byte> datagram, Time arrived) {
@@ -111,7 +118,7 @@ struct LinkClient {
     const auto opened = opener->open(sealed, datagram, message);
     if (!opened) return refused.count(opened.error());
     arrivals.add(sealed.counter, arrived);
-    const Decoded<ServerMessage> said = decode_server(*opened);
+    const Decoded<ServerMessage> said = decode_server(*opened, version);
     ASSERT_TRUE(said.has_value()) << name_of(said.error());
     if (const auto* slice = std::get_if<Slice>(&*said)) {
       ++slices;
@@ -129,8 +136,9 @@ struct LinkClient {
 
 /// A LinkClient on a port.
 struct PortClient : LinkClient {
-  PortClient(DatagramPort& own, const Peer& to, SharedKey client_key, const Welcome& served)
-      : LinkClient(std::move(client_key), served), port(own), server(to) {}
+  PortClient(DatagramPort& own, const Peer& to, SharedKey client_key, const Welcome& served,
+             std::uint16_t protocol = kProtocolVersion)
+      : LinkClient(std::move(client_key), served, protocol), port(own), server(to) {}
 
   void say(const Bytes& datagram) { port.send(server, datagram); }
   /// Receives one datagram and replies. Returns false if none came.

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "stereo/base/user_folders.h"
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "stereo/net/sealed_stream.h"
 #include "vr_client/fetch/scene_cache.h"
 

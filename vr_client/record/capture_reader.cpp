@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "stereo/messages/bytes.h"
+#include "stereo/messages/layout.h"
 
 namespace farshade {
 namespace {
@@ -48,7 +49,7 @@ Expected<void> CaptureReader::begin() {
   ByteReader io(record_);
   if (!whole || !io.u32(magic) || !io.u16(version) || !io.u16(protocol) || magic != kCaptureMagic)
     return fail(Fault::Unsupported, name_ + " is not a capture file");
-  if (version != kCaptureVersion || protocol != kProtocolVersion)
+  if (version != kCaptureVersion || !is_spoken(protocol) || layout_hash(protocol) != kLayoutHash)
     return fail(Fault::Unsupported, name_ + " is a capture file of version " + std::to_string(version) + "." +
                                         std::to_string(protocol) + "; this program reads version " +
                                         std::to_string(kCaptureVersion) + "." +

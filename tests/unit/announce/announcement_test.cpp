@@ -32,14 +32,23 @@ std::optional<std::uint16_t> protocol_of(const std::vector<std::string>& txt) {
 
 TEST(AnnouncementTxt, ReadsBackAndSaysNothingElse) {
   EXPECT_EQ(announced_protocol(announcement_txt()), kProtocolVersion);
-  EXPECT_EQ(announcement_txt(),
-            (std::vector<std::string>{"txtvers=1", "protocol=" + std::to_string(kProtocolVersion)}));
+  EXPECT_EQ(announcement_txt(), (std::vector<std::string>{"txtvers=1", "protocol=10",
+                                                          "newest=" + std::to_string(kProtocolVersion)}));
 }
 
 TEST(AnnouncementTxt, TakesWhatTheStandardAllows) {
   EXPECT_EQ(protocol_of({"colour=red", "PROTOCOL=7", "protocol=8"}), 7) << "the first one counts";
   EXPECT_EQ(protocol_of({"protocol=65535"}), 65535);
   EXPECT_EQ(protocol_of({std::string(255, 'a'), "=", "", "protocol=6"}), 6);
+}
+
+TEST(AnnouncementTxt, AServerThatSpeaksSeveralVersionsIsOneOfOurs) {
+  const std::string ours = std::to_string(kProtocolVersion);
+  EXPECT_EQ(protocol_of({"protocol=10", "newest=" + ours}), kProtocolVersion);
+  EXPECT_EQ(protocol_of({"protocol=" + ours, "newest=65000"}), kProtocolVersion)
+      << "the next version's server";
+  EXPECT_EQ(protocol_of({"protocol=9", "newest=10"}), 9);
+  EXPECT_EQ(protocol_of({"protocol=10"}), 10);
 }
 
 TEST(AnnouncementTxt, RefusesEverythingElse) {

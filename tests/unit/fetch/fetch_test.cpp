@@ -4,7 +4,7 @@
 #include <fstream>
 #include <future>
 
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "tests/unit/fetch/fetch_bench.h"
 
 namespace farshade {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <future>
 
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "tests/unit/fetch/fetch_bench.h"
 
 namespace farshade {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 #include "stereo/options/parse_light.h"
 
 namespace farshade {

@@ -78,6 +78,9 @@ std::string power_of_ten(double value) {
 std::map<std::string, std::string> constants_of_code() {
   return {
       {"kProtocolVersion", count(kProtocolVersion)},
+      {"kProtocolNumber", count(kProtocolNumber)},
+      {"kLayoutHash", count(kLayoutHash)},
+      {"kPreviousVersion", count(kPreviousVersion)},
       {"kBaseDatagram_bytes", bytes(kBaseDatagram_bytes)},
       {"kMaxDatagram_bytes", bytes(kMaxDatagram_bytes)},
       {"kSealing_bytes", bytes(kSealing_bytes)},

@@ -60,7 +60,8 @@ std::vector<Case> envelopes_to_server() {
       {"longer than a datagram", and_more(greeting, 1), WireRefusal::TooLong},
       {"nothing", {}, WireRefusal::Truncated},
       {"another program's magic", patched(greeting, 0, {'X'}), WireRefusal::Magic},
-      {"sealed by another version", patched(sealed, 4, {kProtocolVersion + 1}), WireRefusal::Version},
+      {"sealed by another version", patched(sealed, 4, {(kProtocolVersion & 0xff) ^ 1}),
+       WireRefusal::Version},
       {"a type that is not", patched(greeting, 6, {7}), WireRefusal::Type},
       {"a server's type", enveloped(retry()), WireRefusal::Type},
       {"a short hello", Bytes(greeting.begin(), greeting.end() - 1), WireRefusal::Padding},
@@ -75,7 +76,7 @@ std::vector<Case> envelopes_to_client() {
   return {
       {"longer than a datagram", Bytes(1473), WireRefusal::TooLong},
       {"a client's type", enveloped(hello()), WireRefusal::Type},
-      {"another version's retry", patched(enveloped(retry()), 4, {kProtocolVersion + 1}),
+      {"another version's retry", patched(enveloped(retry()), 4, {(kProtocolVersion & 0xff) ^ 1}),
        WireRefusal::Version},
       {"a reason that only keys may say", patched(no, 7, {3}), WireRefusal::Code},
       {"a reason that is none", patched(no, 7, {0}), WireRefusal::Code},

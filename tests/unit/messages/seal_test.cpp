@@ -185,7 +185,7 @@ TEST(Seal, TheNextKeyIsAHashOfTheLast) {
 }
 
 TEST(Seal, AnEpochEndsWithItsDatagramsAndWithItsTime) {
-  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Sealer sealer(kSession, kKey, Sealing::On, kProtocolVersion, kFew);
   std::vector<std::uint16_t> epochs;
   for (int i = 0; i < 8; ++i) {
     seal(sealer, bytes_of({1}));
@@ -201,7 +201,7 @@ TEST(Seal, AnEpochEndsWithItsDatagramsAndWithItsTime) {
 }
 
 TEST(Seal, AReceiverFollowsTheEpochsAlsoIfDatagramsAreMissing) {
-  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Sealer sealer(kSession, kKey, Sealing::On, kProtocolVersion, kFew);
   Opener opener(kKey, Sealing::On);
   for (unsigned i = 0; i < 60; ++i) {
     const Bytes datagram = seal(sealer, bytes_of({i}));
@@ -211,7 +211,7 @@ TEST(Seal, AReceiverFollowsTheEpochsAlsoIfDatagramsAreMissing) {
 }
 
 TEST(Seal, TheKeyOfAnEpochDoesNotOpenEarlierOnes) {
-  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Sealer sealer(kSession, kKey, Sealing::On, kProtocolVersion, kFew);
   const Bytes first = seal(sealer, bytes_of({1}));
   for (unsigned i = 0; i < kFew; ++i) seal(sealer, bytes_of({2}));
   const Secret stolen = next_key(kKey);
@@ -221,7 +221,7 @@ TEST(Seal, TheKeyOfAnEpochDoesNotOpenEarlierOnes) {
 
 TEST(Seal, TheLastKeyIsKeptForAGraceAndThenForgotten) {
   constexpr std::uint64_t kLong = 2 * kEpochGrace;
-  Sealer sealer(kSession, kKey, Sealing::On, kLong);
+  Sealer sealer(kSession, kKey, Sealing::On, kProtocolVersion, kLong);
   Opener opener(kKey, Sealing::On);
   std::vector<Bytes> datagrams;
   for (std::uint64_t i = 0; i < 2 * kLong; ++i) datagrams.push_back(seal(sealer, bytes_of({1})));
@@ -235,7 +235,7 @@ TEST(Seal, TheLastKeyIsKeptForAGraceAndThenForgotten) {
 }
 
 TEST(Seal, AnEpochBeforeTheLastIsForgottenAtOnce) {
-  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Sealer sealer(kSession, kKey, Sealing::On, kProtocolVersion, kFew);
   Opener opener(kKey, Sealing::On);
   const Bytes old = seal(sealer, bytes_of({1}));
   for (unsigned i = 1; i < 2 * kFew; ++i) seal(sealer, bytes_of({2}));

@@ -176,7 +176,7 @@ TEST_F(GateTest, RefusesAHelloThatTheKeyDidNotMake) {
 
 TEST_F(GateTest, TellsAClientOfAnotherVersionTheServersVersion) {
   Bytes later = Client().hello();
-  later[4] = std::byte{kProtocolVersion + 1};
+  later[4] ^= std::byte{1};  // another layout
   const auto foreign = std::get<ForeignHello>(*open_client_envelope(later));
   gate.refuse_version(foreign, answer);
   EXPECT_EQ(std::get<OpenRefusal>(said()), (OpenRefusal{.version = kProtocolVersion,

@@ -57,7 +57,7 @@ TEST(Sessions, RefusesAnotherVersionAndSaysWhichItSpeaks) {
   SessionsBench bench;
   LinkClient client(kRing[0], kServed);
   Bytes foreign = client.hello();
-  foreign[4] = std::byte{kProtocolVersion + 1};
+  foreign[4] ^= std::byte{1};  // another layout
   bench.talk(client, 1, foreign);
   ASSERT_TRUE(client.open_refusal.has_value());
   EXPECT_EQ(client.open_refusal->reason, RefusalReason::VersionMismatch);

@@ -116,6 +116,24 @@ TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
   EXPECT_EQ(received->masks, painted(1));
 }
 
+TEST(ServerCore, AClientOfThePreviousVersionGetsItsMasksInThatVersion) {
+  Bench bench;
+  PortClient old(bench.link.client(), bench.link.server().local(), kTwoKeys[0], kServed, kPreviousVersion);
+  ASSERT_TRUE(old.connect(1s));
+  EXPECT_EQ(old.welcome, kServed);
+  old.say(old.ask(request(1)));
+  while (old.reports == 0) ASSERT_TRUE(old.hear(1s));
+  const RequestRecord* received = old.assembler.find({1});
+  ASSERT_NE(received, nullptr);
+  EXPECT_EQ(received->masks, painted(1));
+  EXPECT_EQ(old.refused.total(), 0u) << "every datagram is of its version";
+  // A server that was started anew says so in that version, too.
+  bench.core.emplace(kServed, kTwoKeys, masks_from(paint), bench.link.server(), bench.clock);
+  old.say(old.ask(request(2)));
+  ASSERT_TRUE(old.hear(1s));
+  EXPECT_EQ(old.no_session, 1u);
+}
+
 TEST(ServerCore, ReportsTheFrameAndItsCost) {
   Bench bench;
   ASSERT_TRUE(bench.client.connect(1s));

@@ -1,4 +1,4 @@
-#include "stereo/fetch/fetch_messages.h"
+#include "stereo/messages/fetch_messages.h"
 
 #include "stereo/messages/message_codec.h"
 
@@ -56,15 +56,20 @@ Verdict verdict(const FetchRefusal& m) {
 void encode(const FetchRequest& message, std::vector<std::byte>& bytes) {
   codec::encode_any(message, kBaseMessage_bytes, bytes);
 }
-void encode(const FetchAnswer& message, std::vector<std::byte>& bytes) {
-  codec::encode_any(message, kBaseMessage_bytes, bytes);
+void encode(const FetchAnswer& message, std::vector<std::byte>& bytes, std::uint16_t version) {
+  codec::encode_any(message, kBaseMessage_bytes, bytes, version);
 }
 
-Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes) {
-  return codec::decode_any<FetchRequest>(bytes, kBaseMessage_bytes);
+Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes, std::uint16_t version) {
+  return codec::decode_any<FetchRequest>(bytes, kBaseMessage_bytes, version);
 }
 Decoded<FetchAnswer> decode_fetch_answer(std::span<const std::byte> bytes) {
   return codec::decode_any<FetchAnswer>(bytes, kBaseMessage_bytes);
+}
+
+void record_fetch_messages(LayoutRecorder& io) {
+  codec::record_any(std::type_identity<FetchRequest>{}, io);
+  codec::record_any(std::type_identity<FetchAnswer>{}, io);
 }
 
 }  // namespace farshade
