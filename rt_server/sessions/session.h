@@ -21,8 +21,8 @@ namespace farshade {
 /// A request that is to be answered now.
 struct Job {
   SessionId session;
-  KeyId key{};                               ///< of the session
-  std::uint16_t version = kProtocolVersion;  ///< of the session
+  KeyId key{};                         ///< of the session
+  Version version = kProtocolVersion;  ///< of the session
   FrameRequest request;
   Time arrived;
   std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced
@@ -222,7 +222,7 @@ class ClientSession {
   std::string name_;
   KeyId key_;
   SessionId id_;
-  std::uint16_t version_;
+  Version version_;
   PublicKey hello_;
   std::vector<std::byte> accept_;
   Opener opener_;

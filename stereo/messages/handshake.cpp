@@ -55,13 +55,12 @@ struct Schedule {
   Secret up, down;  ///< from crypto_kx: from the client, and to the client
   const SharedKey& key;
   std::array<std::uint8_t, 32> transcript;
-  std::uint16_t version;
 
   [[nodiscard]] Secret derive(std::string_view label) const {
     return Secret(
         Hash(key.secret).add(label).add(up).add(down).add(std::as_bytes(std::span(transcript))).finish());
   }
-  [[nodiscard]] SessionKeys session(SessionId id) const {
+  [[nodiscard]] SessionKeys session(SessionId id, Version version) const {
     return {.session = id,
             .to_server = derive("farshade-2 to server"),
             .to_client = derive("farshade-2 to client"),
@@ -100,7 +99,7 @@ HelloEcho echo_of(const PublicKey& client) {
   return echo;
 }
 
-ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, std::uint16_t version)
+ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, Version version)
     : key_(key), scene_hash_(scene_hash), version_(version) {
   ready();
   crypto_kx_keypair(public_.data(), secret_.data());
@@ -111,11 +110,8 @@ HelloEcho ClientHandshake::echo() const {
 }
 
 void ClientHandshake::write_hello(std::vector<std::byte>& datagram) const {
-  Hello hello{.client = public_,
-              .key = id_of(key_),
-              .scene_hash = scene_hash_,
-              .cookie = cookie_,
-              .version = version_};
+  Hello hello{.client = public_, .key = id_of(key_), .scene_hash = scene_hash_, .cookie = cookie_};
+  hello.version = version_;
   encode(hello, datagram);
   hello.proof = proof_of(datagram, key_);
   encode(hello, datagram);
@@ -132,12 +128,11 @@ std::optional<ClientHandshake::Completed> ClientHandshake::take(const Accept& ac
   if (accept.echo != echo()) return std::nullopt;
   std::vector<std::byte> hello;
   write_hello(hello);
-  Schedule schedule{
-      .up = {}, .down = {}, .key = key_, .transcript = transcript_of(hello, datagram), .version = version_};
+  Schedule schedule{.up = {}, .down = {}, .key = key_, .transcript = transcript_of(hello, datagram)};
   if (crypto_kx_client_session_keys(schedule.down.data(), schedule.up.data(), public_.data(), secret_.data(),
                                     accept.server.data()) != 0)
     return std::nullopt;
-  const SessionKeys keys = schedule.session(accept.session);
+  const SessionKeys keys = schedule.session(accept.session, version_);
   std::vector<std::byte> message;
   if (!open_alone(schedule.accept_key(), keys.sealing, accept.sealed, message)) return std::nullopt;
   const Decoded<ServerMessage> answer = decode_server(message, version_);
@@ -159,15 +154,12 @@ std::optional<Accepted> accept(const Hello& hello, std::span<const std::byte> he
   crypto_kx_keypair(accept.server.data(), secret.data());
   Accepted accepted;
   encode(accept, accepted.datagram);
-  Schedule schedule{.up = {},
-                    .down = {},
-                    .key = key,
-                    .transcript = transcript_of(hello_datagram, accepted.datagram),
-                    .version = hello.version};
+  Schedule schedule{
+      .up = {}, .down = {}, .key = key, .transcript = transcript_of(hello_datagram, accepted.datagram)};
   if (crypto_kx_server_session_keys(schedule.up.data(), schedule.down.data(), accept.server.data(),
                                     secret.data(), hello.client.data()) != 0)
     return std::nullopt;
-  accepted.keys = schedule.session(accept.session);
+  accepted.keys = schedule.session(accept.session, hello.version);
   std::vector<std::byte> message;
   encode(answer, message, hello.version);
   const std::vector<std::byte> sealed = seal_alone(schedule.accept_key(), accepted.keys.sealing, message);

@@ -21,14 +21,13 @@ struct SessionKeys {
   SessionId session;
   Secret to_server, to_client;
   Sealing sealing = Sealing::On;
-  std::uint16_t version = kProtocolVersion;
+  Version version = kProtocolVersion;
 };
 
 /// The client's side of one handshake, with its own ephemeral key.
 class ClientHandshake {
  public:
-  ClientHandshake(const SharedKey& key, const ContentHash& scene_hash,
-                  std::uint16_t version = kProtocolVersion);
+  ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, Version version = kProtocolVersion);
 
   /// Replaces `datagram` by the Hello to send now.
   void write_hello(std::vector<std::byte>& datagram) const;
@@ -50,7 +49,7 @@ class ClientHandshake {
  private:
   SharedKey key_;
   ContentHash scene_hash_;
-  std::uint16_t version_;
+  Version version_;
   PublicKey public_{};
   Secret secret_;
   Cookie cookie_{};

@@ -2,7 +2,7 @@
 
 namespace farshade {
 
-unsigned layout_hash(std::uint16_t version) {
+unsigned layout_hash(Version version) {
   LayoutRecorder io(version);
   record_envelopes(io);
   record_messages(io);

@@ -59,7 +59,7 @@ void record_messages(LayoutRecorder& io);
 void record_fetch_messages(LayoutRecorder& io);
 
 /// Of all of them, in a version that is_spoken: 10 bits.
-[[nodiscard]] unsigned layout_hash(std::uint16_t version);
+[[nodiscard]] unsigned layout_hash(Version version);
 
 /// Checks that kLayoutHash is the hash of this program's layout. Otherwise the program would take programs of
 /// another layout for its own kind, so call it first.

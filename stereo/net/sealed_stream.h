@@ -39,9 +39,7 @@ class SealedStream {
 
   [[nodiscard]] const Welcome& served() const { return served_; }  ///< by the server
   [[nodiscard]] const KeyId& key() const { return key_; }          ///< of the client
-  [[nodiscard]] std::uint16_t version() const {
-    return version_;
-  }  ///< of the protocol, as the client's Hello
+  [[nodiscard]] Version version() const { return version_; }       ///< of the protocol, as the client's Hello
 
  private:
   explicit SealedStream(TcpStream stream) : stream_(std::move(stream)) {}
@@ -52,7 +50,7 @@ class SealedStream {
   TcpStream stream_;
   Welcome served_{};
   KeyId key_{};
-  std::uint16_t version_ = kProtocolVersion;
+  Version version_ = kProtocolVersion;
   std::optional<Sealer> sealer_;
   std::optional<Opener> opener_;
   std::uint64_t received_ = 0;  ///< messages
