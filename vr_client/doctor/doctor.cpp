@@ -13,6 +13,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/messages/handshake.h"
 #include "stereo/messages/key_file.h"
+#include "stereo/messages/timing.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/options/lighting_options.h"
@@ -79,7 +80,7 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
     if (clock.now() >= next_hello) {
       handshake.write_hello(datagram);
       port.send(server, datagram);
-      next_hello = clock.now() + 250ms;
+      next_hello = clock.now() + kHelloInterval;
     }
     const auto received = port.receive(buffer, std::min(until, next_hello) - clock.now());
     if (!received) continue;
