@@ -15,12 +15,12 @@
 #include "stereo/base/heap.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/gpu/loader.h"
-#include "stereo/messages/layout.h"
 #include "stereo/messages/messages.h"
 #include "stereo/options/command_line.h"
 #include "stereo/options/completion.h"
 #include "stereo/options/config_file.h"
 #include "stereo/options/lighting_options.h"
+#include "stereo/sealing/layout.h"
 #include "stereo/video/video.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "stereo/base/heap.h"
-#include "stereo/messages/layout.h"
+#include "stereo/sealing/layout.h"
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"

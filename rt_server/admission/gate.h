@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "rt_server/admission/key_ledger.h"
-#include "stereo/messages/handshake.h"
 #include "stereo/messages/timing.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "rt_server/admission/token_bucket.h"
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -7,10 +7,10 @@
 
 #include "stereo/announce/announcer.h"
 #include "stereo/gltf/load_lit_scene.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/net/udp.h"
 #include "stereo/options/lighting_options.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 namespace {

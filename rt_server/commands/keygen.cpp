@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "stereo/messages/key_file.h"
 #include "stereo/options/within.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 namespace {

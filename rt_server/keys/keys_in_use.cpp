@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 namespace {

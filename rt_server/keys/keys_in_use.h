@@ -14,7 +14,7 @@
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
 #include "stereo/base/file_watch.h"
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "stereo/base/clock.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

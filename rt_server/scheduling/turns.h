@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "rt_server/scheduling/job_costs.h"
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -10,11 +10,11 @@
 
 #include "rt_server/scheduling/quality.h"
 #include "stereo/frame/cube_mask.h"
-#include "stereo/messages/handshake.h"
 #include "stereo/messages/timing.h"
 #include "stereo/net/datagram.h"
 #include "stereo/net/path_mtu.h"
 #include "stereo/net/rate_control.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

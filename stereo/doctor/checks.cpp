@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 
-#include "stereo/messages/envelope.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
+#include "stereo/sealing/envelope.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 namespace {

@@ -16,8 +16,8 @@ struct ArrivalReport {
   static constexpr Duration kTick = std::chrono::microseconds(64);
 
   std::uint64_t first =
-      0;        ///< counter (seal.h) of the first entry's datagram; the next entries are consecutive
-  Time base{};  ///< on the client's clock; nothing in the report arrived earlier
+      0;  ///< counter (stereo/sealing/seal.h) of the first entry's datagram; the next entries are consecutive
+  Time base{};                               ///< on the client's clock; nothing in the report arrived earlier
   std::uint32_t count = 0;                   ///< entries in use, at most kMost
   std::array<std::uint16_t, kMost> ticks{};  ///< arrival in ticks after `base`
 

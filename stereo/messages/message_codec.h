@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "stereo/messages/bytes.h"
-#include "stereo/messages/layout.h"
+#include "stereo/messages/layout_recorder.h"
 #include "stereo/messages/refusal.h"
 
 namespace farshade::codec {

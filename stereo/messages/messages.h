@@ -31,7 +31,8 @@ inline constexpr std::size_t kBaseDatagram_bytes = 1200;
 /// The most that a server sends, once a PathProbe of that size has arrived: a packet of 1,500 bytes with the
 /// headers of IPv4 and UDP.
 inline constexpr std::size_t kMaxDatagram_bytes = 1472;
-inline constexpr std::size_t kSealing_bytes = 39;  ///< the part of a datagram that sealing needs (envelope.h)
+inline constexpr std::size_t kSealing_bytes =
+    39;  ///< the part of a datagram that sealing needs (stereo/sealing/envelope.h)
 inline constexpr std::size_t kBaseMessage_bytes = kBaseDatagram_bytes - kSealing_bytes;
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
 

@@ -10,7 +10,7 @@ namespace farshade {
 
 // ---- both
 
-/// A sender takes its next key when the one in use is older than this (seal.h).
+/// A sender takes its next key when the one in use is older than this (stereo/sealing/seal.h).
 inline constexpr Duration kEpochTime = std::chrono::seconds(120);
 
 // ---- client

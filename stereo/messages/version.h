@@ -1,7 +1,7 @@
 /// The version of the protocol: which layout the messages have. It stands in every envelope. The upper 6 bits
-/// are a number, which grows with each change; the lower 10 are of a hash of all layouts (layout.h), so that
-/// programs of different layouts refuse each other even if somebody forgot the number. Versions up to 10 are
-/// the number alone.
+/// are a number, which grows with each change; the lower 10 are of a hash of all layouts
+/// (stereo/sealing/layout.h), so that programs of different layouts refuse each other even if somebody forgot
+/// the number. Versions up to 10 are the number alone.
 #pragma once
 
 #include <cstdint>

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <span>
 
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 namespace {

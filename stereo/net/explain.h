@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "stereo/messages/envelope.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/envelope.h"
 
 namespace farshade {
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "stereo/messages/handshake.h"
 #include "stereo/net/tcp.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/messages/key_file.h"
 #include "stereo/messages/refusal.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

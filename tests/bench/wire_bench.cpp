@@ -23,8 +23,8 @@
 #include "stereo/codec/slice.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/gltf/gltf.h"
-#include "stereo/messages/seal.h"
 #include "stereo/net/impairment.h"
+#include "stereo/sealing/seal.h"
 #include "stereo/tracer/tracer.h"
 
 namespace {

@@ -1,7 +1,7 @@
 // Envelopes: an arbitrary datagram before it is opened. It is refused, or it decodes to an envelope; encoding
 // that gives the same bytes, and its sealed part is a view into them. The first byte selects the side that
 // decodes.
-#include "stereo/messages/envelope.h"
+#include "stereo/sealing/envelope.h"
 
 #include <algorithm>
 

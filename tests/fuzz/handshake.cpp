@@ -1,7 +1,7 @@
 // Handshake under an attacker who reads and changes every datagram. A client must accept only an unchanged
 // accept. The gate must admit only an unchanged hello with a valid cookie and proof. No answer may be longer
 // than the hello. One handshake is made at start-up; the input is a list of changes to its datagrams.
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 
 #include <algorithm>
 

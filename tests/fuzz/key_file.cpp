@@ -1,5 +1,5 @@
 // Key files: a text is refused in one sentence, or it decodes to keys that read back the same after writing.
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 #include <set>
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "stereo/messages/handshake.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "stereo/gltf/gltf.h"
-#include "stereo/messages/handshake.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
+#include "stereo/sealing/handshake.h"
 #include "tests/integration/client_program.h"
 #include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"

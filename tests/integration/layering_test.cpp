@@ -33,15 +33,17 @@ std::vector<Library> libraries() {
           {"openxr", "vr_client/openxr", any}};
 }
 
-/// The folders that both programs share: base <- math <- frame <- messages, then net and codec <- answers
-/// beside each other, scene <- gltf, raster <- shadow_maps <- reproject <- draw, the others beside them.
+/// The folders that both programs share: base <- math <- frame <- messages, then sealing <- net and codec <-
+/// answers beside each other, scene <- gltf, raster <- shadow_maps <- reproject <- draw, the others beside
+/// them.
 std::vector<Layer> shared_layers() {
   return {{"stereo/base", {}},
           {"stereo/math", {"stereo/base"}},
           {"stereo/frame", {"stereo/math"}},
           {"stereo/messages", {"stereo/frame"}},
           {"stereo/codec", {"stereo/messages"}},
-          {"stereo/net", {"stereo/messages"}},
+          {"stereo/sealing", {"stereo/messages"}},
+          {"stereo/net", {"stereo/sealing"}},
           {"stereo/answers", {"stereo/codec"}},
           {"stereo/pair", {"stereo/net"}},
           {"stereo/announce", {"stereo/net"}},
@@ -71,7 +73,7 @@ std::vector<Layer> shared_layers() {
 /// The folders of both programs. Neither program includes the other.
 std::vector<Layer> program_layers() {
   return {{"rt_server/admission", {"stereo/net"}},
-          {"rt_server/scheduling", {"stereo/messages"}},
+          {"rt_server/scheduling", {"stereo/sealing"}},
           {"rt_server/log", {"stereo/net"}},
           {"rt_server/sessions", {"rt_server/admission", "rt_server/scheduling", "rt_server/log"}},
           {"rt_server/work", {"rt_server/sessions", "stereo/answers", "stereo/tracer"}},

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "stereo/gltf/gltf.h"
-#include "stereo/messages/handshake.h"
 #include "stereo/net/udp.h"
+#include "stereo/sealing/handshake.h"
 #include "tests/integration/child_program.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

@@ -16,8 +16,8 @@
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "stereo/math/rotation.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/scene/lighting.h"
+#include "stereo/sealing/key_file.h"
 #include "tests/integration/child_program.h"
 #include "tests/stability/judge.h"
 

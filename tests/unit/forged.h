@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade::link_test {
 

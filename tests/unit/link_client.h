@@ -9,8 +9,8 @@
 
 #include "rt_server/work/server_core.h"
 #include "stereo/answers/assembler.h"
-#include "stereo/messages/handshake.h"
 #include "stereo/net/arrivals.h"
+#include "stereo/sealing/handshake.h"
 #include "tests/unit/answers_from.h"
 
 namespace farshade::link_test {

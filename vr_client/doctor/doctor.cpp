@@ -11,12 +11,12 @@
 #include "stereo/announce/find_server.h"
 #include "stereo/gltf/load_lit_scene.h"
 #include "stereo/gpu/device.h"
-#include "stereo/messages/handshake.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/messages/timing.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/options/lighting_options.h"
+#include "stereo/sealing/handshake.h"
+#include "stereo/sealing/key_file.h"
 #include "vr_client/fetch/fetch_scene.h"
 
 namespace farshade {

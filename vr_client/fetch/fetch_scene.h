@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "stereo/fetch/scene_offer.h"
-#include "stereo/messages/key_file.h"
 #include "stereo/messages/messages.h"
 #include "stereo/net/tcp.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 

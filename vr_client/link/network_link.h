@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "stereo/messages/handshake.h"
 #include "stereo/net/arrivals.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/handshake.h"
 #include "vr_client/link/frame_receiver.h"
 
 namespace farshade {

@@ -7,9 +7,9 @@
 #include <array>
 #include <filesystem>
 
-#include "stereo/messages/key_file.h"
 #include "stereo/net/tcp.h"
 #include "stereo/pair/pairing.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 namespace {

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "stereo/messages/bytes.h"
-#include "stereo/messages/layout.h"
+#include "stereo/sealing/layout.h"
 
 namespace farshade {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "stereo/codec/tile_blocks.h"
 #include "stereo/messages/frame_fields.h"
-#include "stereo/messages/handshake.h"
-#include "stereo/messages/replay_window.h"
 #include "stereo/messages/timing.h"
+#include "stereo/sealing/handshake.h"
+#include "stereo/sealing/replay_window.h"
 #include "tests/unit/messages/samples.h"
 
 namespace farshade {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "stereo/codec/mask_block.h"
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 #include "tests/unit/messages/samples.h"
 
 namespace farshade {

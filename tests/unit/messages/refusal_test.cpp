@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "stereo/codec/plane_codec.h"
-#include "stereo/messages/seal.h"
+#include "stereo/sealing/seal.h"
 #include "tests/unit/messages/samples.h"
 
 namespace farshade {

@@ -14,8 +14,8 @@
 #include "stereo/codec/slice.h"
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/frame/tiles.h"
-#include "stereo/messages/envelope.h"
 #include "stereo/messages/messages.h"
+#include "stereo/sealing/envelope.h"
 
 namespace farshade::wire_samples {
 

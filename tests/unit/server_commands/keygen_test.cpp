@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {

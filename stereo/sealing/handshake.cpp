@@ -1,4 +1,4 @@
-#include "stereo/messages/handshake.h"
+#include "stereo/sealing/handshake.h"
 
 #include <sodium.h>
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "stereo/messages/seal.h"
+#include "stereo/sealing/seal.h"
 
 namespace farshade {
 

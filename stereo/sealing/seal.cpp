@@ -1,4 +1,4 @@
-#include "stereo/messages/seal.h"
+#include "stereo/sealing/seal.h"
 
 #include <sodium.h>
 

@@ -1,4 +1,4 @@
-#include "stereo/messages/layout.h"
+#include "stereo/sealing/layout.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,7 @@
-#include "stereo/messages/layout.h"
+#include "stereo/sealing/layout.h"
+
+#include "stereo/messages/layout_recorder.h"
+#include "stereo/sealing/envelope.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "stereo/messages/seal.h"
+#include "stereo/sealing/seal.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-/// The layout of the messages as a hash, which is a part of the protocol's version (version.h): the kinds and
-/// widths of all fields of all envelopes and messages. It does not cover what a block of bytes contains, nor
-/// what a value means: such a change needs another kProtocolNumber.
+/// LayoutRecorder: which fields messages have, as a hash. The same field lists that write and read messages
+/// fill it (stereo/sealing/layout.h).
 #pragma once
 
 #include <array>
@@ -54,15 +53,7 @@ class LayoutRecorder : public VersionedFields {
   std::uint32_t hash_ = 0x811c9dc5u;
 };
 
-void record_envelopes(LayoutRecorder& io);
 void record_messages(LayoutRecorder& io);
 void record_fetch_messages(LayoutRecorder& io);
-
-/// Of all of them, in a version that is_spoken: 10 bits.
-[[nodiscard]] unsigned layout_hash(Version version);
-
-/// Checks that kLayoutHash is the hash of this program's layout. Otherwise the program would take programs of
-/// another layout for its own kind, so call it first.
-void check_layout();
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-#include "stereo/messages/replay_window.h"
+#include "stereo/sealing/replay_window.h"
 
 #include <gtest/gtest.h>
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "stereo/base/clock.h"
-#include "stereo/messages/envelope.h"
-#include "stereo/messages/replay_window.h"
+#include "stereo/sealing/envelope.h"
+#include "stereo/sealing/replay_window.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "stereo/messages/key_file.h"
+#include "stereo/sealing/key_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -9,8 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "stereo/messages/key_file.h"
+#include "stereo/messages/layout_recorder.h"
 #include "stereo/messages/messages.h"
+#include "stereo/sealing/key_file.h"
 
 namespace farshade {
 
@@ -115,5 +116,8 @@ void encode(const Envelope& envelope, std::vector<std::byte>& datagram);
 
 [[nodiscard]] Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram);
 [[nodiscard]] Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram);
+
+/// Records the fields of all envelopes.
+void record_envelopes(LayoutRecorder& io);
 
 }  // namespace farshade

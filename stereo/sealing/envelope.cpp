@@ -1,4 +1,4 @@
-#include "stereo/messages/envelope.h"
+#include "stereo/sealing/envelope.h"
 
 #include <algorithm>
 
