@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "rt_server/admission/memory_share.h"
 #include "rt_server/admission/token_bucket.h"
 #include "stereo/sealing/key_file.h"
 
@@ -39,20 +40,37 @@ struct KeyAccount {
 
 class KeyLedger {
  public:
-  explicit KeyLedger(double handshakes_per_second) : handshakes_per_second_(handshakes_per_second) {}
+  KeyLedger(double handshakes_per_second, const MemoryShare& memory)
+      : handshakes_per_second_(handshakes_per_second), memory_(memory) {}
 
-  /// The accounts of keys that are not in `ring` end.
+  /// From now on the ring is `ring`. The accounts of keys that are not in it end; their sessions have ended.
   void keep(const KeyRing& ring) {
     std::erase_if(accounts_, [&](const auto& entry) { return !ring.contains(entry.first); });
     if (ring.size() == std::exchange(keys_, ring.size())) return;
-    for (auto& [key, account] : accounts_) account.handshakes = {handshakes_per_second_, keys_};
+    held_beyond_bytes_ = 0;
+    for (auto& [key, account] : accounts_) {
+      account.handshakes = {handshakes_per_second_, keys_};
+      held_beyond_bytes_ += beyond(account.held_bytes, memory_.guaranteed(keys_));
+    }
   }
 
-  /// The sum of what keys hold beyond `guaranteed` each.
-  [[nodiscard]] std::size_t held_beyond(std::size_t guaranteed) const {
-    std::size_t sum = 0;
-    for (const auto& [key, account] : accounts_) sum += beyond(account.held_bytes, guaranteed);
-    return sum;
+  /// Memory that the sessions of all keys hold.
+  [[nodiscard]] std::size_t held_bytes() const { return held_bytes_; }
+  /// What the sessions of `key` may take in addition: what is left of its own, and of what all keys share.
+  [[nodiscard]] std::size_t room_for(const KeyId& key) {
+    const std::size_t held = of(key).held_bytes, own = memory_.guaranteed(keys_),
+                      shared = beyond(memory_.waiting(), own * std::max<std::size_t>(keys_, 1));
+    return std::min(beyond(memory_.of_key(keys_), held),
+                    beyond(own, held) + beyond(shared, held_beyond_bytes_));
+  }
+  /// A session of `key` holds `now` bytes instead of the `before` that it held.
+  void hold(const KeyId& key, std::size_t now, std::size_t before) {
+    const std::size_t own = memory_.guaranteed(keys_);
+    std::size_t& held = of(key).held_bytes;
+    held_beyond_bytes_ -= beyond(held, own);
+    held += now - before;
+    held_bytes_ += now - before;
+    held_beyond_bytes_ += beyond(held, own);
   }
 
   /// The account of a key of the ring; a new one begins with nothing used.
@@ -62,7 +80,10 @@ class KeyLedger {
 
  private:
   double handshakes_per_second_;
-  std::size_t keys_ = 1;
+  MemoryShare memory_;
+  std::size_t keys_ = 1;  ///< in the ring
+  std::size_t held_bytes_ = 0;
+  std::size_t held_beyond_bytes_ = 0;  ///< the parts that keys hold beyond what each is guaranteed
   std::map<KeyId, KeyAccount> accounts_;
 };
 

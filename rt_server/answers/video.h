@@ -3,7 +3,7 @@
 
 #include "rt_server/answers/fair_lru_cache.h"
 #include "rt_server/answers/rebuilds.h"
-#include "rt_server/sessions/session.h"
+#include "rt_server/sessions/job.h"
 #include "stereo/answers/frame_packer.h"
 #include "stereo/video/video.h"
 

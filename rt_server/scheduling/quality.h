@@ -1,6 +1,6 @@
 /// Quality: the size of views that the server advises to a client, from the bandwidth of the path to it.
 ///
-/// On a slow path the outbox (rt_server/sessions/session.h) first lowers the mask rate. Smaller views are
+/// On a slow path the outbox (rt_server/sessions/outbox.h) first lowers the mask rate. Smaller views are
 /// advised only when a frame takes more than four intervals between requests to send. The size of a frame in
 /// bytes is assumed to grow with scale^1.5: bytes for shadow edges grow with the scale, bytes for areas with
 /// its square. A larger size is advised only when its frames fit in 2.4 intervals. This hysteresis keeps the

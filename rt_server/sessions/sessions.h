@@ -1,27 +1,28 @@
-/// Sessions: which clients are connected, and whose request is answered next. A value without sockets,
+/// Sessions: which clients are connected. Lets clients in that the gate admits, gives each datagram to its
+/// session, and ends sessions: of clients that left, fell silent, or must make room. A value without sockets,
 /// threads or clocks.
 ///
 /// The server stores only the newest request of each client. It counts the requests that a newer one
-/// replaced. The key on whose clients the least work was spent is served next (rt_server/scheduling/turns.h),
-/// and of its sessions the one on which the least was spent; among equals, the one that was served longest
-/// ago. A full server takes a session from the key that has the most. Memory is bounded: the number of
-/// sessions and the size of each are.
+/// replaced. Whose request is answered next: job_order.h; whose datagram leaves next: send_order.h. A full
+/// server takes a session from the key that has the most. Memory is bounded: the number of sessions and the
+/// size of each are.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "rt_server/admission/gate.h"
 #include "rt_server/admission/key_ledger.h"
-#include "rt_server/admission/memory_share.h"
 #include "rt_server/log/client_event.h"
-#include "rt_server/scheduling/turns.h"
-#include "rt_server/sessions/session.h"
+#include "rt_server/sessions/farewells.h"
+#include "rt_server/sessions/job_order.h"
+#include "rt_server/sessions/send_order.h"
+#include "rt_server/sessions/session_counters.h"
+#include "rt_server/sessions/session_table.h"
+#include "rt_server/sessions/spent_hellos.h"
 
 namespace farshade {
 
@@ -33,36 +34,6 @@ struct SessionLimits {
   MemoryShare memory{};                        ///< that clients may make the server hold
   Duration silence = kSessionTimeout;          ///< timeout of a session
   Duration unconfirmed = kUnconfirmedTimeout;  ///< the same until its first sealed datagram has arrived
-};
-
-struct SessionCounters {
-  std::uint64_t welcomed = 0;       ///< sessions begun
-  std::uint64_t repeated = 0;       ///< hellos of sessions that exist
-  std::uint64_t forgotten = 0;      ///< sessions ended by timeout
-  std::uint64_t left = 0;           ///< sessions ended by their clients
-  std::uint64_t replaced = 0;       ///< sessions ended by a newer one of the same key from the same address
-  std::uint64_t withdrawn = 0;      ///< sessions ended because the answer they use is no longer offered
-  std::uint64_t revoked = 0;        ///< sessions ended because their key was taken out of the ring
-  std::uint64_t expired = 0;        ///< sessions ended because their key's time was over
-  std::uint64_t displaced = 0;      ///< sessions ended for a client whose key had fewer
-  std::uint64_t moved = 0;          ///< changes of a client's address
-  std::uint64_t false_reports = 0;  ///< sessions that reported the arrival of what was never sent
-  std::uint64_t requests = 0;       ///< requests of all sessions; the next four count some of them
-  std::uint64_t superseded = 0;     ///< replaced by a newer request before they were answered
-  std::uint64_t outdated = 0;       ///< not newer than an earlier request
-  std::uint64_t too_large = 0;      ///< for more pixels than allowed
-  std::uint64_t unanswered = 0;     ///< for an answer that the server does not offer
-  std::uint64_t stray = 0;          ///< parts of requests that belong to no waiting one
-  std::uint64_t over_memory = 0;    ///< sessions, parts and answers refused for the limit of memory
-  std::uint64_t too_costly = 0;     ///< answered without content, because the answer would take too long
-  std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
-  std::uint64_t ignored = 0;                   ///< hellos with a valid key while nobody new is admitted
-  std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
-  std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
-  std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
-  std::uint64_t widened = 0;                   ///< times that a path was found to carry larger datagrams
-  std::uint64_t black_holes = 0;               ///< paths that stopped to carry large datagrams
-  friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };
 
 /// What happens to clients that have a key but no session.
@@ -89,9 +60,8 @@ class Sessions {
   void put(SessionId session, std::vector<std::vector<std::byte>> messages, Duration taken, Time now,
            JobEnd end = JobEnd::Answered);
 
-  /// Whether the job that the worker has is to be given up: its session has ended, or it takes too long
-  /// (rt_server/scheduling/job_costs.h) while a client of another key waits.
-  [[nodiscard]] bool gives_up(Time now) const;
+  /// Whether the job that the worker has is to be given up.
+  [[nodiscard]] bool gives_up(Time now) const { return jobs_.gives_up(sessions_, now); }
 
   /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so,
   /// connect again and read in the Welcome what is offered.
@@ -106,11 +76,11 @@ class Sessions {
   /// Queues the news for all clients that the server ends.
   void say_goodbye();
   /// When the next goodbye leaves; nothing if none is left.
-  [[nodiscard]] std::optional<Time> goodbye_at() const;
+  [[nodiscard]] std::optional<Time> goodbye_at() const { return farewells_.due_at(); }
 
   /// The server did not run for so long, and has not yet read what came meanwhile: its clients were not
   /// silent.
-  void forgive(Duration stall, Time now);
+  void forgive(Duration stall, Time now) { sessions_.forgive(stall, now); }
 
   /// Seals the next datagram that is due, for `to`. Returns false if none is. When the limit of all sessions
   /// lets only some go, it is one of the key that was sent the least.
@@ -118,12 +88,12 @@ class Sessions {
 
   /// When next_job() or seal_due() next has something to do if no datagram arrives. A time in the past means
   /// now.
-  [[nodiscard]] std::optional<Time> job_at() const;
+  [[nodiscard]] std::optional<Time> job_at() const { return jobs_.look_at(sessions_); }
   [[nodiscard]] std::optional<Time> due_at() const;
 
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
   /// Memory that all sessions hold.
-  [[nodiscard]] std::size_t held_bytes() const { return held_bytes_; }
+  [[nodiscard]] std::size_t held_bytes() const { return ledger_.held_bytes(); }
   /// What the holder of a key of the ring has used.
   [[nodiscard]] const KeyAccount& account(const KeyId& key) { return ledger_.of(key); }
   [[nodiscard]] const SessionCounters& counters() const { return counters_; }
@@ -133,7 +103,7 @@ class Sessions {
   void end_silent(Time now);
   /// When end_silent() has to look at the sessions again if no datagram arrives: not after the first of them
   /// ends.
-  [[nodiscard]] std::optional<Time> silent_at() const { return silent_at_; }
+  [[nodiscard]] std::optional<Time> silent_at() const { return sessions_.silent_at(); }
 
   /// Whether the last datagram given to handle() was opened by a session. Only then a request may have come.
   [[nodiscard]] bool was_opened() const { return was_opened_; }
@@ -150,78 +120,36 @@ class Sessions {
   [[nodiscard]] std::optional<RefusalReason> why_refused(const Hello& hello, bool key_full, bool has_room);
   void begin_session(const SharedKey& key, const Peer& client, const Hello& hello, const Accepted& accepted,
                      Time now);
-  void count(ReceivedMessage received);
-  void end_replaced(SessionId kept);
-  void end_beyond_limit(SessionId kept);
-  [[nodiscard]] Time end_of(const ClientSession& session) const;
-  void share_limits();
+  void end_replaced(const ClientSession& kept);
+  void end_beyond_limit(KeyId key, SessionId kept);
   template <class IsOver>
-  std::uint64_t end_sessions(ClientEvent::Kind why, const IsOver& is_over);
-  [[nodiscard]] ClientSession* find(SessionId id);
-  [[nodiscard]] const ClientSession* to_displace(const KeyId& newcomer) const;
-  void end_displaced(SessionId id);
-  void end_left(SessionId id);
+  void end_sessions(ClientEvent::Kind why, const IsOver& is_over);
+  void end_session(ClientEvent::Kind why, SessionId id);
   void queue_goodbye(ClientSession& session, EndReason reason);
   /// A session that is silent for so long makes room for another one of a key that has no more.
   static constexpr Duration kReplaceable = std::chrono::seconds(1);
   [[nodiscard]] bool is_key_full(const SharedKey& key, const Peer& from, Time now) const;
+  void log(ClientEvent::Kind kind, const std::string& who, const Peer& from, const KeyId& key);
   void log_refusal(const Peer& from, const Hello& hello, const GateCounters& before);
-
-  /// A hello of which nothing more comes: it was refused, or its session has ended. While its cookie is valid
-  /// anybody can send it again from its address; it then costs no handshake.
-  struct SpentHello {
-    KeyId key{};
-    PublicKey client{};
-    std::vector<std::byte> answer;  ///< empty: none
-    Time until{};                   ///< when no cookie of it is valid any more: a newer one shows its client
-  };
-  /// Twice as many as the usual limit of handshakes lets begin while a cookie is valid; the oldest gives way.
-  static constexpr std::size_t kMostSpentHellos = 1024;
-  void remember(const KeyId& key, const PublicKey& client, const std::vector<std::byte>& answer);
+  /// Accounts what `session` holds instead of the `before` bytes that it held.
+  void hold(const ClientSession& session, std::size_t before) {
+    ledger_.hold(session.key(), session.bytes(), before);
+  }
 
   Welcome served_;
   SessionLimits limits_;
   Gate gate_;
-  std::vector<ClientSession> sessions_;
-  // What a stranger's datagram needs, so that its cost does not grow with the number of sessions.
-  std::unordered_map<std::uint64_t, std::size_t> place_of_;  ///< in sessions_, by SessionId
-  std::optional<Time> silent_at_;
+  SessionTable sessions_;
   Newcomers newcomers_ = Newcomers::Admitted;
   mutable std::optional<std::optional<Time>> due_at_;  ///< no value: to be found anew
   bool was_opened_ = false;
   KeyLedger ledger_;
-  Turns turns_;
-  std::uint64_t sent_ = 0;  ///< KeyAccount::sent_bytes of the key sent to last: a key that had nothing to do
-                            ///< starts at this value
-  Time may_send_at_{};      ///< because of the limit of all sessions together
-  /// The job that the worker has. Its key owes its work even if the session ends meanwhile.
-  struct InWork {
-    SessionId session;
-    KeyId key;
-    JobSize size;
-    Time begun;
-  };
-  std::optional<InWork> in_work_;
-  [[nodiscard]] ClientSession* next_session(Time now);
-  [[nodiscard]] bool is_too_costly(const InWork& job);
-  void charge(Duration work, Time now, JobEnd end);
-  [[nodiscard]] std::size_t room_for(const KeyId& key);
-  void hold(const ClientSession& session, std::size_t before);
-  void hold(const KeyId& key, std::size_t now, std::size_t before);
-  std::size_t held_bytes_ = 0;
-  std::size_t held_beyond_bytes_ = 0;  ///< the parts that keys hold beyond what each is guaranteed
+  JobOrder jobs_;
+  SendOrder sending_;
+  Farewells farewells_;
+  SpentHellos spent_;
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
-  /// The last datagrams for a client whose session has ended: what loses one may lose the next one, too, so
-  /// they leave apart.
-  struct Farewell {
-    Peer to;
-    std::vector<std::vector<std::byte>> datagrams;
-    Time due{};
-  };
-  std::vector<Farewell> farewells_;
-  std::deque<SpentHello> spent_;
-  Time now_{};  ///< of the last datagram
 };
 
 }  // namespace farshade

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "rt_server/sessions/session.h"
+#include "rt_server/sessions/job.h"
 #include "stereo/answers/frame_packer.h"
 #include "stereo/base/failure_log.h"
 #include "stereo/tracer/tracer.h"

@@ -153,6 +153,9 @@ TEST(Insider, MemoryThatIsSharedComesBack) {
   bench.sessions.set_ring({kRing[1]});
   EXPECT_LT(bench.sessions.size(), 6u);
   EXPECT_EQ(bench.sessions.size() + join_all(Time(101s)), 8u) << "a key that is alone has all";
+  bench.sessions.set_ring(kRing);
+  EXPECT_EQ(join_all(Time(102s)), 1u)
+      << "another key has its own again, and the first one all that is shared";
 }
 
 TEST(Insider, AKeyThatIsNoLongerAloneHasHalfOfTheHandshakes) {

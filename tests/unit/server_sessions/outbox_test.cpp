@@ -1,6 +1,8 @@
-#include "rt_server/sessions/session.h"
+#include "rt_server/sessions/outbox.h"
 
 #include <gtest/gtest.h>
+
+#include "rt_server/sessions/job.h"
 
 namespace farshade {
 namespace {

@@ -149,7 +149,7 @@ TEST(SessionsCubeMask, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
     if (bench.sessions.next_job({})->request.answer.kind == Answer::CubeMask) break;
     ++overtaking;
   }
-  EXPECT_EQ(overtaking, ClientSession::kMostOvertaking);
+  EXPECT_EQ(overtaking, WaitingRequests::kMostOvertaking);
 }
 
 /// The size of views that is advised after 12 answers of 500 kB and as many of 200 bytes, over 1 MB/s. The
