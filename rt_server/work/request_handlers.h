@@ -10,7 +10,7 @@
 #include "rt_server/sessions/job.h"
 #include "stereo/answers/frame_packer.h"
 #include "stereo/base/failure_log.h"
-#include "stereo/tracer/tracer.h"
+#include "stereo/frame/trace_stats.h"
 
 namespace farshade {
 

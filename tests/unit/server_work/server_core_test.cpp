@@ -392,7 +392,7 @@ TEST(Serving, GivesUpTheAnswerInWorkWhenItEnds) {
     const Stopwatch watch;
     while (!job.is_given_up() && watch.elapsed() < 60s) std::this_thread::yield();
     knew = job.is_given_up();
-    throw TraceGivenUp();
+    throw AnswerGivenUp();
   };
   const SteadyClock clock;
   ServerCore core(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), **port, clock);
