@@ -29,7 +29,7 @@ std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& sc
 /// A mask of the views of a request of which nothing is known. Keeps the reference.
 class UnknownMask {
  public:
-  UnknownMask(const FrameRequest& request, MaskLayout layout) : request_(request) {
+  UnknownMask(const FrameMoment& request, MaskLayout layout) : request_(request) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const Extent size = request.views[eye].size;
       bits_[eye] = EyeMask(size, layout);
@@ -49,7 +49,7 @@ class UnknownMask {
   }
 
  private:
-  const FrameRequest& request_;
+  const FrameMoment& request_;
   PerEye<EyeMask> bits_;
   PerEye<ReceivedTiles> received_tiles_;
 };
@@ -65,9 +65,9 @@ class Renderer::Parts {
   std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection, PixelReport report,
                                                    Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
-  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+  DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden);
-  std::optional<DrawTimes> reproject_to_request(const FrameRequest& request, std::size_t slot,
+  std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
                                                 const TracedMask* base, RequestReprojection& into,
                                                 const PerEye<HiddenArea>* hidden);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
@@ -275,7 +275,7 @@ DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t slot,
+DrawTimes Renderer::Parts::keep_depth(const FrameMoment& request, std::size_t slot,
                                       PerEye<Image<float>>& into, const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
@@ -302,7 +302,7 @@ RequestReprojectionPass& Renderer::Parts::need_request_reprojection() {
   return *request_reprojection_;
 }
 
-std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameRequest& request, std::size_t slot,
+std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameMoment& request, std::size_t slot,
                                                                const TracedMask* base,
                                                                RequestReprojection& into,
                                                                const PerEye<HiddenArea>* hidden) {
@@ -525,12 +525,12 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return parts_->shade_again(frame);
 }
 
-DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+DrawTimes Renderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
                                const PerEye<HiddenArea>* hidden) {
   return parts_->keep_depth(request, slot, into, hidden);
 }
 
-std::optional<DrawTimes> Renderer::reproject_to_request(const FrameRequest& request, std::size_t slot,
+std::optional<DrawTimes> Renderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
                                                         const TracedMask* base, RequestReprojection& into,
                                                         const PerEye<HiddenArea>* hidden) {
   return parts_->reproject_to_request(request, slot, base, into, hidden);

@@ -65,15 +65,15 @@ struct ShownDepth {
 
 /// A request for a pair of faces of the cube mask.
 struct FaceRequest {
-  const FrameRequest& request;
+  const FrameMoment& request;
   std::size_t slot = 0;  ///< of its record, less than kCubeMaskSlots
 };
 
 struct ShownFrame {
   StereoView views;  ///< both of the renderer's size
   const SceneState& state;
-  const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
-  std::span<const TracedMask> masks;      ///< first source first; skipped if its depth is not in the ring
+  const FrameMoment* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
+  std::span<const TracedMask> masks;     ///< first source first; skipped if its depth is not in the ring
   /// Masks of the cube's faces, one of each pair at most; skipped if its depth is not kept.
   std::span<const TracedMask> cube_mask{};
   Reprojection reprojection;
@@ -123,7 +123,7 @@ class Renderer {
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
   /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
   /// request's record. `hidden`: pixels of its views without a surface, whatever is there; null: none.
-  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+  DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reprojects `base` to
@@ -131,7 +131,7 @@ class Renderer {
   /// Without a base (null), everything is unknown that has a surface. No value, and nothing drawn, if the
   /// depth of the base is gone, or the plan does not reproject masks. `slot` is that of the request's
   /// record, `hidden` as in keep_depth.
-  std::optional<DrawTimes> reproject_to_request(const FrameRequest& request, std::size_t slot,
+  std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
                                                 const TracedMask* base, RequestReprojection& into,
                                                 const PerEye<HiddenArea>* hidden = nullptr);
 

@@ -1,5 +1,6 @@
-/// ShadowFrame: the masks of both eyes, the views and the light set that they were traced with. A mask is
-/// never sent or stored without its views.
+/// The words of a frame: FrameMoment (what is seen), FrameRequest (what is asked for) and ShadowFrame, the
+/// masks of both eyes with the views and the light set that they were traced with. A mask is never sent or
+/// stored without its views.
 #pragma once
 
 #include "stereo/base/clock.h"
@@ -12,13 +13,17 @@
 
 namespace farshade {
 
-/// A client's request for one frame.
-struct FrameRequest {
+/// A frame as it is seen: from where, when, and in which light.
+struct FrameMoment {
   FrameId frame;
-  Time display_time;  ///< when the client will show the requested views
+  Time display_time;  ///< when the client shows the views
   Time scene_time;    ///< time of the scene's animation
   StereoView views;
-  LightChanges lights{};  ///< the light set to trace
+  LightChanges lights{};  ///< the light set
+};
+
+/// A client's request for one frame: the moment to trace, and what is asked of it.
+struct FrameRequest : FrameMoment {
   AnswerSpec answer{};
   RequestedBlocks requested{};  ///< the part to trace; Answer::Masks only, others ask for whole views
 };

@@ -59,7 +59,7 @@ RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, cons
                                                  .pPushConstantRanges = &kShownEye});
 }
 
-void RequestReprojectionPass::prepare(const FrameRequest& request, const DepthRing::Place& place,
+void RequestReprojectionPass::prepare(const FrameMoment& request, const DepthRing::Place& place,
                                       const TracedMask& base, const LightSet& lights, const Motion& since) {
   check(request.views[0].size == request.views[1].size, "both eyes of a request have one size");
   gpu::FrameData frame{};

@@ -23,7 +23,7 @@ class RequestReprojectionPass {
   /// Prepares to reproject `base` to the views of `request`, whose depth will lie at `place`. The ring has
   /// the depth of the base. `lights` are those of the request, `since` is what has moved since the base was
   /// traced.
-  void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
+  void prepare(const FrameMoment& request, const DepthRing::Place& place, const TracedMask& base,
                const LightSet& lights, const Motion& since);
 
   /// Creates the pipeline. The result runs it for masks of no pixels.

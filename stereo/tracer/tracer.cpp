@@ -356,8 +356,8 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
   return stats;
 }
 
-PerEye<Image<float>> Tracer::distances(const FrameRequest& request) {
-  impl_->advance_to(request.scene_time, request.lights);
+PerEye<Image<float>> Tracer::distances(const FrameMoment& moment) {
+  impl_->advance_to(moment.scene_time, moment.lights);
   const auto of_view = [&](const View& view) {
     check(is_valid(view), "a traced view is valid");
     const ViewRays rays = rays_of(view, impl_->model.anchor_from_stage());
@@ -378,7 +378,7 @@ PerEye<Image<float>> Tracer::distances(const FrameRequest& request) {
     });
     return distances;
   };
-  return {of_view(request.views[0]), of_view(request.views[1])};
+  return {of_view(moment.views[0]), of_view(moment.views[1])};
 }
 
 MaskLayout Tracer::layout() const {

@@ -94,7 +94,7 @@ class Tracer {
 
   /// The surfaces that the primary rays of whole views meet: metres along -z, 0 where there is none. For
   /// comparing them with those of a rasteriser.
-  [[nodiscard]] PerEye<Image<float>> distances(const FrameRequest& request);
+  [[nodiscard]] PerEye<Image<float>> distances(const FrameMoment& moment);
 
   [[nodiscard]] TracerMemory memory() const;
   [[nodiscard]] MaskLayout layout() const;

@@ -169,7 +169,7 @@ Expected<void> run(const Options& options) {
   const SceneState state = state_at(*scene, Time{});
   Times times;
   for (std::uint32_t number = 1; number <= kWarmUp_frames + options.frames; ++number) {
-    const FrameRequest shown = shown_at(*recording, placed, number, options.side_px);
+    const FrameMoment shown = shown_at(*recording, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
     assembler.expect(request, {draw_plan.mask.lights}, state.light_set.revision);
     tracer->trace(request, traced);

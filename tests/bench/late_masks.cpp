@@ -4,8 +4,8 @@
 
 namespace farshade::bench {
 
-FrameRequest shown_at(const HeadRecording& recording, const Rigid<Stage, Recorded>& placed,
-                      std::uint32_t number, std::uint32_t side_px) {
+FrameMoment shown_at(const HeadRecording& recording, const Rigid<Stage, Recorded>& placed,
+                     std::uint32_t number, std::uint32_t side_px) {
   const Time time = recording.start() + kPeriod * number;
   const Headset headset{recording.eye_distance_m, recording.fov, {side_px, side_px}};
   return {{number}, time, Time{}, views_of(placed * head_at(recording, time), headset), {}};

@@ -15,8 +15,8 @@ inline constexpr std::uint32_t kRing_frames = kLate_frames + kMaxMasks + 1;
 inline constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
 /// The request for a full trace of what frame `number` shows. The scene stays at its start time.
-[[nodiscard]] FrameRequest shown_at(const HeadRecording& recording, const Rigid<Stage, Recorded>& placed,
-                                    std::uint32_t number, std::uint32_t side_px);
+[[nodiscard]] FrameMoment shown_at(const HeadRecording& recording, const Rigid<Stage, Recorded>& placed,
+                                   std::uint32_t number, std::uint32_t side_px);
 
 /// Decodes a frame's datagrams as the client does. Returns the time that this took.
 double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> datagrams);

@@ -62,7 +62,7 @@ class PlanPair {
         state_(state_at(planned_.scene, Time{})) {}
 
   /// No figures while there are no masks to draw with.
-  std::optional<Figures> frame(const FrameRequest& shown, const FrameRequest& request) {
+  std::optional<Figures> frame(const FrameMoment& shown, const FrameRequest& request) {
     assembler_.expect(request, planned_.plan.draw.mask, state_.light_set.revision);
     const Stopwatch tracing;
     const TraceStats stats = tracer_.trace(request, traced_);
@@ -143,7 +143,7 @@ bool compare(const Options& options) {
   std::array<std::vector<Figures>, 2> figures;
   constexpr std::uint32_t kWarmUp = 8;
   for (std::uint32_t number = 1; number <= kWarmUp + options.frames; ++number) {
-    const FrameRequest shown = shown_at(head, placed, number, options.side_px);
+    const FrameMoment shown = shown_at(head, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
     for (const std::size_t pair : {number % 2, 1 - number % 2}) {
       const std::optional<Figures> taken = pairs[pair].frame(shown, request);

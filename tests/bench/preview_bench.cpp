@@ -121,7 +121,7 @@ void compare(const BenchOptions& options) {
   for (std::uint32_t number = 1; number <= options.frames + kWarmUp_frames; ++number) {
     const Time at = head.start() + kPeriod * number;
     const Headset headset{head.eye_distance_m, head.fov, size};
-    const FrameRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
+    const FrameMoment shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
     const FrameRequest request = plan.ask(shown, kPeriod, SceneClock::Paused).value();
     traced.push_back(trace(tracer, request));
     if (traced.size() > kRing_frames / 2) traced.pop_front();

@@ -92,7 +92,7 @@ class Economy : public OnLavapipe {
     Renderer renderer(device_, scene, plan, kLimits);
     const SceneState now = state_at(scene, Time(500ms));
     const StereoView shown = eyes_at(0.06), requested = eyes_at(0.08);
-    const FrameRequest first{FrameId{1}, Time{}, Time{}, shown},
+    const FrameMoment first{FrameId{1}, Time{}, Time{}, shown},
         second{FrameId{2}, Time{}, Time(500ms), requested};
     PerEye<Image<float>> distance;
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
@@ -234,8 +234,8 @@ TEST_F(Economy, AMeshIsDeformedOnceForEachTimeOfAFrame) {
   std::uint64_t before = 0;
   const auto draw_at = [&](std::uint32_t number, Duration now, Duration then) {
     const SceneState state = state_at(scene, Time(now));
-    const FrameRequest request{FrameId{number}, Time{}, Time(then), requested};
-    std::vector<FrameRequest> pairs;
+    const FrameMoment request{FrameId{number}, Time{}, Time(then), requested};
+    std::vector<FrameMoment> pairs;
     for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair)
       pairs.push_back({FrameId{kFirstCubeMaskFrame.value + 3 * number + static_cast<std::uint32_t>(pair)},
                        Time{}, Time(then), faces_about({{0, 0, 0}}, pair, face_size(kSize))});
@@ -268,7 +268,7 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
   std::deque<Mask> masks;  // newest first
   std::uint32_t traced = 0;
   for (std::uint32_t frame = 1; frame <= kFrames; ++frame) {
-    const FrameRequest request{FrameId{frame}, Time{}, Time{}, views};
+    const FrameMoment request{FrameId{frame}, Time{}, Time{}, views};
     // Every fifth frame no mask arrives, and the frame after it receives two.
     const std::uint32_t arrived = frame % 5 == 0 ? traced : frame < 4 ? 0 : frame - 3;
     std::uint64_t news = 0;
@@ -323,7 +323,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     const SceneState now = state_at(scene_, kNow);
     const StereoView requested = eyes_of(head_, kSide_px),
                      shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
-    const FrameRequest first{FrameId{1}, kThen, kThen, requested}, second{FrameId{2}, kNow, kNow, requested};
+    const FrameMoment first{FrameId{1}, kThen, kThen, requested}, second{FrameId{2}, kNow, kNow, requested};
     PerEye<Image<float>> distance;
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = in_words_of(plan.mask, traced(first));

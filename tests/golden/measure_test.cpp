@@ -15,7 +15,7 @@ class Measure : public OnLavapipe {
     const Scene scene = bundled(name);
     Reference reference(Tracer::create_reference(scene).value());
     Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1});
-    FrameRequest shown;
+    FrameMoment shown;
     shown.views = eyes_of(head_at_camera(scene), kSide_px);
     FrameToMeasure frame{.shown = shown, .state = state_at(scene, Time{} + late), .as = ShownAs::Picture};
     frame.pictures = draw_traced(shown, state_at(scene, Time{}), reference.trace(shown), renderer);

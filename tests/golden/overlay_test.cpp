@@ -127,7 +127,7 @@ TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
   ASSERT_TRUE(tracer) << tracer.error().what;
   ShadowFrame traced;
   const TraceStats spent = tracer->trace(
-      {.frame = kNow, .display_time = {}, .scene_time = {}, .views = views, .lights = GetParam().lights},
+      {{.frame = kNow, .display_time = {}, .scene_time = {}, .views = views, .lights = GetParam().lights}},
       traced);
   const Mask older = rig.ask(kTraced, rig.eyes(moved(rig.head(), 3 * kDegree_rad, {0.02, 0, 0})));
   for (const std::vector<TracedMask>& masks : {std::vector<TracedMask>{}, {older.traced_mask()}}) {

@@ -17,11 +17,11 @@ class PartialRequestsInARow : public OnLavapipe {
   /// masks.
   void ask(std::uint32_t number, const StereoView& views,
            const std::function<void(ShadowFrame&)>& spoil = {}) {
-    FrameRequest request{.frame = {number},
-                         .display_time = Time(kApart * number),
-                         .scene_time = {},
-                         .views = views,
-                         .lights = lights_};
+    FrameRequest request{{.frame = {number},
+                          .display_time = Time(kApart * number),
+                          .scene_time = {},
+                          .views = views,
+                          .lights = lights_}};
     partial_request_.prepare(request, assembler_.next_slot(),
                              number > apart_ ? assembler_.find({number - apart_}) : nullptr, hidden_);
     requested_ = request.requested;

@@ -21,7 +21,7 @@ class ReceivedGBuffer : public OnLavapipe {
   static Mask traced(const Scene& scene, const StereoView& views) {
     Tracer tracer = Tracer::create(scene).value();
     ShadowFrame frame;
-    tracer.trace({.frame = {}, .display_time = {}, .scene_time = {}, .views = views}, frame);
+    tracer.trace({{.frame = {}, .display_time = {}, .scene_time = {}, .views = views}}, frame);
     const ReceivedTiles all(TileGrid{views[0].size}.count(), all_planes_received(frame.masks[0].layout()));
     return {FrameId{}, Time{}, views, std::move(frame.masks), {all, all}};
   }

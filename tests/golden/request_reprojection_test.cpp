@@ -109,7 +109,7 @@ TEST_F(ReprojectionToRequest, WithoutABaseAsksForAllLightsWhereASurfaceIs) {
   const StereoView views = rig.eyes(rig.head());
   static_cast<void>(rig.ask(kTraced, views));
   RequestReprojection reprojected;
-  const FrameRequest request{.frame = kNow, .display_time = {}, .scene_time = {}, .views = views};
+  const FrameMoment request{.frame = kNow, .display_time = {}, .scene_time = {}, .views = views};
   const Scene scene = bundled("box_over_plane.gltf");
   Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
   ASSERT_TRUE(renderer.reproject_to_request(request, 0, nullptr, reprojected));

@@ -85,11 +85,11 @@ class ShadowMapRig {
  private:
   [[nodiscard]] PerEye<EyeMask> traced(const StereoView& views) {
     ShadowFrame frame;
-    tracer_.trace({.frame = FrameId{1},
-                   .display_time = {},
-                   .scene_time = state_.scene_time,
-                   .views = views,
-                   .lights = state_.light_changes},
+    tracer_.trace({{.frame = FrameId{1},
+                    .display_time = {},
+                    .scene_time = state_.scene_time,
+                    .views = views,
+                    .lights = state_.light_changes}},
                   frame);
     return std::move(frame.masks);
   }

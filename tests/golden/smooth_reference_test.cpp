@@ -35,12 +35,12 @@ TEST_F(SmoothReference, IsALargerPictureOfTheSameViewsAveraged) {
                                       RendererLimits{{side_px, side_px}, {side_px, side_px}, 1});
   };
   const auto request_of = [&](std::uint32_t side_px) {
-    FrameRequest request;
+    FrameMoment request;
     request.views = eyes_of(head_at_camera(scene), side_px);
     return request;
   };
   const auto small = renderer_of(kSide_px), large = renderer_of(kSide_px * kSamples);
-  const FrameRequest request = request_of(kSide_px), larger = request_of(kSide_px * kSamples);
+  const FrameMoment request = request_of(kSide_px), larger = request_of(kSide_px * kSamples);
   const PerEye<Image<Rgb8>> smooth = smooth_reference(request, state, kSamples, *small, reference);
   const PerEye<Image<Rgb8>> steps = draw_traced(request, state, reference.trace(request), *small);
   const PerEye<Image<Rgb8>> many = draw_traced(larger, state, reference.trace(larger), *large);

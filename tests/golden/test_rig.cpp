@@ -193,11 +193,11 @@ TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
 Mask TestRig::trace(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   ShadowFrame traced;
-  tracer_->trace({.frame = frame,
-                  .display_time = now,
-                  .scene_time = now,
-                  .views = views,
-                  .lights = state_.light_changes},
+  tracer_->trace({{.frame = frame,
+                   .display_time = now,
+                   .scene_time = now,
+                   .views = views,
+                   .lights = state_.light_changes}},
                  traced);
   const ReceivedTiles all(TileGrid{views[0].size}.count(), all_planes_received(traced.masks[0].layout()));
   return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision, {}};
@@ -205,7 +205,7 @@ Mask TestRig::trace(FrameId frame, const StereoView& views) {
 
 Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
-  const FrameRequest request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
+  const FrameMoment request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
   renderer_->keep_depth(request, frame.value % depth_frames_, requested_distance_);
   return trace(frame, views);
 }
@@ -213,7 +213,7 @@ Mask TestRig::ask(FrameId frame, const StereoView& views) {
 std::optional<RequestReprojection> TestRig::reproject_to_request(FrameId frame, const StereoView& views,
                                                                  const Mask& base) {
   const Time now = state_.scene_time;
-  const FrameRequest request{
+  const FrameMoment request{
       .frame = frame, .display_time = now, .scene_time = now, .views = views, .lights = state_.light_changes};
   RequestReprojection reprojected;
   PerEye<HiddenArea> hidden;
@@ -241,7 +241,7 @@ Mask TestRig::ask_for_unknown(FrameId frame, const StereoView& views, const Mask
 
 std::vector<Mask> TestRig::ask_cube_mask(Point<Stage> centre) {
   std::vector<Mask> masks;
-  std::vector<FrameRequest> requests;
+  std::vector<FrameMoment> requests;
   for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair) {
     const FrameId frame{kFirstCubeMaskFrame.value + narrow<std::uint32_t>(pair)};
     const StereoView faces = faces_about(centre, pair, face_size({side_px_, side_px_}));
@@ -250,7 +250,7 @@ std::vector<Mask> TestRig::ask_cube_mask(Point<Stage> centre) {
     masks.push_back(trace(frame, faces));
   }
   std::vector<FaceRequest> requested;
-  for (const FrameRequest& request : requests) requested.push_back({request, pair_of(request.frame)});
+  for (const FrameMoment& request : requests) requested.push_back({request, pair_of(request.frame)});
   const StereoView views = eyes(head());
   ShownFrame frame = shown_frame(views, {}, {});
   frame.faces = requested;

@@ -37,13 +37,13 @@ View shifted(const View& view, glm::dvec2 offset_px) {
   return moved;
 }
 
-PerEye<Image<Rgb8>> smooth_reference(const FrameRequest& shown, const SceneState& state, std::uint32_t side,
+PerEye<Image<Rgb8>> smooth_reference(const FrameMoment& shown, const SceneState& state, std::uint32_t side,
                                      Renderer& renderer, Reference& reference) {
   static const std::array<float, 256> kLinear = linear_of_srgb();
   const Extent size = shown.views[0].size;
   PerEye<std::vector<glm::vec3>> sums;
   for (std::vector<glm::vec3>& sum : sums) sum.resize(size.pixels());
-  FrameRequest request = shown;
+  FrameMoment request = shown;
   const auto offset = [&](std::uint32_t i) { return (i + 0.5) / side - 0.5; };
   for (std::uint32_t i = 0; i < side * side; ++i) {
     for (std::size_t eye = 0; eye < kEyes; ++eye)

@@ -12,7 +12,7 @@ namespace farshade {
 /// shifted by a part of a pixel: sample (i, j) of a pixel lies at ((i + 0.5) / side, (j + 0.5) / side).
 /// Textures are read as in a picture with one sample. Afterwards the renderer holds the last of these
 /// pictures.
-[[nodiscard]] PerEye<Image<Rgb8>> smooth_reference(const FrameRequest& shown, const SceneState& state,
+[[nodiscard]] PerEye<Image<Rgb8>> smooth_reference(const FrameMoment& shown, const SceneState& state,
                                                    std::uint32_t side, Renderer& renderer,
                                                    Reference& reference);
 

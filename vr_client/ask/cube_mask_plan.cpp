@@ -5,7 +5,7 @@
 namespace farshade {
 
 /// Whether a new cube mask is due.
-bool CubeMaskPlan::is_due(const FrameRequest& shown, SceneMotion motion, bool is_under_way) {
+bool CubeMaskPlan::is_due(const FrameMoment& shown, SceneMotion motion, bool is_under_way) {
   is_urgent_ = true;
   if (!set_ || shown.display_time < set_->begun) return true;
   const Duration age = shown.display_time - set_->begun;
@@ -20,8 +20,8 @@ bool CubeMaskPlan::is_due(const FrameRequest& shown, SceneMotion motion, bool is
          age >= (motion == SceneMotion::Moving ? kMovingPeriod : kStillPeriod);
 }
 
-FrameRequest CubeMaskPlan::next_pair(const FrameRequest& shown, Duration lead, SceneClock clock) {
-  FrameRequest request = shown;
+FrameRequest CubeMaskPlan::next_pair(const FrameMoment& shown, Duration lead, SceneClock clock) {
+  FrameRequest request{shown};
   request.frame = {kFirstCubeMaskFrame.value + requests_++};
   request.display_time += lead;
   if (clock == SceneClock::Running) request.scene_time += lead;
@@ -30,7 +30,7 @@ FrameRequest CubeMaskPlan::next_pair(const FrameRequest& shown, Duration lead, S
   return request;
 }
 
-std::vector<FrameRequest> CubeMaskPlan::ask(const FrameRequest& shown, Duration lead, SceneClock clock,
+std::vector<FrameRequest> CubeMaskPlan::ask(const FrameMoment& shown, Duration lead, SceneClock clock,
                                             SceneMotion motion, bool is_under_way) {
   if (!set_ || set_->pairs == kCubeMaskPairs) {
     if (!is_due(shown, motion, is_under_way)) return {};

@@ -28,15 +28,15 @@ class CubeMaskPlan {
   /// The requests for pairs that are due in the frame that shows `shown`: one pair in a frame, but all at
   /// once if nothing that was requested before serves. They are made for the time `lead` later.
   /// `is_under_way`: an answer of the cube mask may still come.
-  [[nodiscard]] std::vector<FrameRequest> ask(const FrameRequest& shown, Duration lead, SceneClock clock,
+  [[nodiscard]] std::vector<FrameRequest> ask(const FrameMoment& shown, Duration lead, SceneClock clock,
                                               SceneMotion motion, bool is_under_way);
 
   /// The last requests were made because nothing before them serves: they should leave before all others.
   [[nodiscard]] bool is_urgent() const { return is_urgent_; }
 
  private:
-  [[nodiscard]] bool is_due(const FrameRequest& shown, SceneMotion motion, bool is_under_way);
-  [[nodiscard]] FrameRequest next_pair(const FrameRequest& shown, Duration lead, SceneClock clock);
+  [[nodiscard]] bool is_due(const FrameMoment& shown, SceneMotion motion, bool is_under_way);
+  [[nodiscard]] FrameRequest next_pair(const FrameMoment& shown, Duration lead, SceneClock clock);
 
   /// The cube mask that was requested last.
   struct Set {

@@ -94,7 +94,7 @@ Duration RequestPlan::lead(Duration period) const {
   return duration_from_ms(used_s * 1e3) + period * (frames_apart(period) - 1) / 2;
 }
 
-bool RequestPlan::is_due(const FrameRequest& shown, Duration period) {
+bool RequestPlan::is_due(const FrameMoment& shown, Duration period) {
   const std::uint32_t frame = frames_++;
   if (settings_.every > 0) return frame % settings_.every == 0;
   const std::uint32_t apart = frames_apart(period);
@@ -103,14 +103,14 @@ bool RequestPlan::is_due(const FrameRequest& shown, Duration period) {
   return since < Duration::zero() || since >= period * apart - period / 2;
 }
 
-std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration period, SceneClock scene) {
+std::optional<FrameRequest> RequestPlan::ask(const FrameMoment& shown, Duration period, SceneClock scene) {
   const Rigid<Stage, Head> head = head_of(shown.views);
   predictor_.observe(shown.display_time, head);
   if (!is_due(shown, period)) return std::nullopt;
   asked_for_ = shown;
 
   const Duration ahead = lead(period);
-  FrameRequest request = shown;
+  FrameRequest request{shown};
   request.display_time += ahead;
   if (scene == SceneClock::Running) request.scene_time += ahead;
   const Rigid<Stage, Head> then = predictor_.predict(request.display_time);

@@ -63,7 +63,7 @@ class RequestPlan {
   /// The request of the frame that shows `shown`, on a display of the given period. No value on frames
   /// without a request. Unless the rate is fixed, changes of the lights are requested at once. Call once a
   /// frame.
-  [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
+  [[nodiscard]] std::optional<FrameRequest> ask(const FrameMoment& shown, Duration period,
                                                 SceneClock scene = SceneClock::Running);
 
   /// Sets the settings of the following requests. A new predictor starts without history.
@@ -99,7 +99,7 @@ class RequestPlan {
 
  private:
   [[nodiscard]] std::optional<Duration> median_latency() const;
-  [[nodiscard]] bool is_due(const FrameRequest& shown, Duration period);
+  [[nodiscard]] bool is_due(const FrameMoment& shown, Duration period);
 
   RequestSettings settings_;
   Predictor predictor_;
@@ -109,7 +109,7 @@ class RequestPlan {
   SceneMotion motion_ = SceneMotion::Moving;
   std::deque<Duration> latencies_;
   std::uint32_t frames_ = 0;
-  std::optional<FrameRequest> asked_for_;  ///< what was shown at the last request
+  std::optional<FrameMoment> asked_for_;  ///< what was shown at the last request
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
   ViewScale scale_{};
 };

@@ -55,8 +55,8 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
 
     starts.request = clock.now();
     frame = next(frame);
-    const FrameRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
-                             context.runtime.locate_views(timing->display_time), settings.lights};
+    const FrameMoment shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
+                            context.runtime.locate_views(timing->display_time), settings.lights};
     SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     state.light_set.exposure = exposure_of(context);
     const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};

@@ -58,7 +58,7 @@ enum class ShownAs : std::uint8_t {
 
 /// A frame that was shown. The references are valid during the call that receives it.
 struct FrameView {
-  const FrameRequest& shown;    ///< the request that a full trace of the shown views would have
+  const FrameMoment& shown;     ///< what is shown
   const FrameRequest* request;  ///< this frame's request; null if it had none
   const SceneState& state;
   std::span<const TracedMask> masks;  ///< the masks it was drawn with; the shader trusts the first most
@@ -94,7 +94,7 @@ struct RunContext {
 
 /// A frame that has begun: what it shows, and its settings.
 struct FrameInputs {
-  const FrameRequest& shown;
+  const FrameMoment& shown;
   const SceneState& state;
   Duration period;  ///< of the display
   const FrameSettings& settings;

@@ -12,13 +12,13 @@ class Reference {
   /// The scene that the tracer was made from must outlive it.
   explicit Reference(Tracer tracer);
 
-  /// Traces every pixel of the views of `request`, at its scene time and with its lights. The mask is valid
+  /// Traces every pixel of the views of `moment`, at its scene time and with its lights. The mask is valid
   /// until the next call.
-  [[nodiscard]] TracedMask trace(const FrameRequest& request);
+  [[nodiscard]] TracedMask trace(const FrameMoment& moment);
 
   /// The surfaces that its primary rays meet (tracer.h).
-  [[nodiscard]] PerEye<Image<float>> distances(const FrameRequest& request) {
-    return tracer_.distances(request);
+  [[nodiscard]] PerEye<Image<float>> distances(const FrameMoment& moment) {
+    return tracer_.distances(moment);
   }
 
  private:

@@ -91,8 +91,8 @@ std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context) {
 }
 
 void draw_ahead(const RunContext& context, Time first_display_time) {
-  const FrameRequest shown{FrameId{}, first_display_time, Time{},
-                           context.runtime.locate_views(first_display_time), context.settings.lights};
+  const FrameMoment shown{FrameId{}, first_display_time, Time{},
+                          context.runtime.locate_views(first_display_time), context.settings.lights};
   const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
   make_pipeline(context)->draw_ahead({shown, state, Duration{}, context.settings});
 }

@@ -192,7 +192,7 @@ void MaskSources::take(std::span<const RequestRecord* const> usable, const Reque
   for (const RequestRecord* record : records_) masks_.push_back(mask_of(*record));
 }
 
-Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
+Lookup MaskSources::lookup(const FrameMoment& shown, Lookup requested) const {
   if (masks_.empty()) return requested;
   const TracedMask& first = masks_[0];
   const auto is_same = [&](std::size_t eye) {

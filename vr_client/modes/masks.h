@@ -24,7 +24,7 @@ class MaskSources {
 
   /// Direct if the first mask was traced for exactly the pixels, scene time and lights of `shown` and is
   /// complete; otherwise `requested`.
-  [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
+  [[nodiscard]] Lookup lookup(const FrameMoment& shown, Lookup requested) const;
 
   /// Draws the G-buffer and shades it with the masks and those of the cube mask, which may be null. Keeps the
   /// depth of the views of `record`, the record of this frame's request, unless it is null.

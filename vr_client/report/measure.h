@@ -70,7 +70,7 @@ inline constexpr double kEqualPictures_dB = 99;
 
 /// A shown frame, with all that a comparison needs, so that it can be compared later.
 struct FrameToMeasure {
-  FrameRequest shown;
+  FrameMoment shown;
   SceneState state;
   ShownAs as = ShownAs::Shaded;
   MaskAges ages{};

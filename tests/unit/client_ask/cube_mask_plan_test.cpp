@@ -11,8 +11,8 @@ using namespace std::chrono_literals;
 
 constexpr Duration kFrame(13'888'889);
 
-FrameRequest shown_at(Duration at, double x_m = 0, double eye_distance_m = 0.06) {
-  FrameRequest shown;
+FrameMoment shown_at(Duration at, double x_m = 0, double eye_distance_m = 0.06) {
+  FrameMoment shown;
   shown.frame = {1};
   shown.display_time = Time(at);
   shown.scene_time = Time(at + 5s);
@@ -27,7 +27,7 @@ struct Bench {
   CubeMaskPlan plan;
   SceneMotion motion = SceneMotion::Still;
   bool is_under_way = false;
-  std::vector<FrameRequest> ask(const FrameRequest& shown) {
+  std::vector<FrameRequest> ask(const FrameMoment& shown) {
     return plan.ask(shown, 100ms, SceneClock::Running, motion, is_under_way);
   }
   /// Asks in each frame of a time. The times at which a cube mask began.
@@ -109,7 +109,7 @@ TEST(CubeMaskPlan, WaitsForTheLastOneButNotForever) {
 TEST(CubeMaskPlan, AsksAgainAtOnceWhenTheLightsChange) {
   Bench bench;
   bench.begun(0s, 500ms);
-  FrameRequest changed = shown_at(500ms);
+  FrameMoment changed = shown_at(500ms);
   changed.lights.revision = {7};
   EXPECT_EQ(bench.ask(changed).size(), kCubeMaskPairs);
   // A light that is dragged changes in every frame.

@@ -37,7 +37,7 @@ Rigid<Stage, Head> head_at(Duration time, const Twist& twist = kScrew) {
 }
 
 /// The views of frame `i` of a head that moves with `twist`. The scene time is 7 ms behind the display time.
-FrameRequest shown(std::uint32_t i, const Twist& twist = kScrew) {
+FrameMoment shown(std::uint32_t i, const Twist& twist = kScrew) {
   const Duration now = kPeriod * i;
   return {.frame = {i + 1},
           .display_time = Time(now),
@@ -60,7 +60,7 @@ TEST(HeadOf, IsTheMiddleOfBothEyes) {
 TEST(RequestPlan, HoldAsksForTheShownViewsAtTheirTime) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
   for (std::uint32_t i = 0; i < 50; ++i) {
-    const FrameRequest now = shown(i);
+    const FrameMoment now = shown(i);
     const auto request = plan.ask(now, kPeriod);
     ASSERT_TRUE(request.has_value());
     EXPECT_EQ(request->frame, now.frame);
@@ -80,7 +80,7 @@ TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
     request = plan.ask(shown(i), kPeriod);
     if (i >= 5) plan.drawn_with(shown(i).views, shown(i - 5).views, 50ms);
   }
-  const FrameRequest now = shown(59);
+  const FrameMoment now = shown(59);
   EXPECT_EQ(request->display_time, now.display_time);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     EXPECT_TRUE(shares_pixels(now.views[eye], request->views[eye])) << "the same pose, the same grid";
@@ -113,7 +113,7 @@ TEST(RequestPlan, TurnedPicturesAreWidenedForTurnsOnly) {
 TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
   RequestPlan plan({.predictor = PredictorKind::Kalman, .guard_band = GuardBandUse::Off});
   for (std::uint32_t i = 0; i < 200; ++i) {
-    const FrameRequest now = shown(i);
+    const FrameMoment now = shown(i);
     if (i > 3) plan.learn(40ms);
     const auto request = plan.ask(now, kPeriod);
     ASSERT_TRUE(request.has_value());
@@ -141,7 +141,7 @@ TEST(RequestPlan, AHeadAtRestIsRequestedAsShown) {
   RequestPlan plan({.guard_band = GuardBandUse::Measured});
   for (std::uint32_t i = 0; i < 30; ++i) {
     plan.learn(30ms);
-    const FrameRequest now = shown(i, Twist{});
+    const FrameMoment now = shown(i, Twist{});
     const auto request = plan.ask(now, kPeriod);
     EXPECT_EQ(request->display_time, now.display_time + 30ms);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -193,7 +193,7 @@ TEST(RequestPlanRate, ChangedLightsAreRequestedAtOnce) {
   plan.expect(SceneMotion::Still);
   plan.learn(60ms);
   EXPECT_TRUE(plan.ask(shown(0), kPeriod));
-  FrameRequest changed = shown(1);
+  FrameMoment changed = shown(1);
   ++changed.lights.revision.value;
   EXPECT_TRUE(plan.ask(changed, kPeriod));
 }
@@ -249,7 +249,7 @@ TEST(RequestPlan, NeverRequestsInvalidViews) {
   RequestPlan plan(RequestSettings{});
   plan.learn(20ms);
   for (std::uint32_t i = 0; i < 20; ++i) {
-    FrameRequest now = shown(i);
+    FrameMoment now = shown(i);
     for (View& view : now.views) view.size = {kMaxViewSide_px, 256};
     const std::optional<FrameRequest> request = plan.ask(now, kPeriod);
     ASSERT_TRUE(request);
@@ -318,7 +318,7 @@ TEST(RequestPlan, TracesWiderAfterUnpredictedTurns) {
   std::deque<StereoView> in_flight;
   for (std::uint32_t i = 0; i < 140; ++i) {
     plan.learn(40ms);
-    FrameRequest now = shown(i, Twist{});
+    FrameMoment now = shown(i, Twist{});
     // The head turns from side to side at 3 Hz, so the velocity has changed 40 ms later.
     now.views = views_of(kStart * motion_exp<Head>({{0, 0.15 * std::sin(19 * 0.01 * i), 0}, {}}));
     request = plan.ask(now, kPeriod);
@@ -339,7 +339,7 @@ TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
   for (const std::uint32_t eighths : {1u, 3u, 4u, 7u, 8u}) {
     RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
     plan.shrink({eighths});
-    const FrameRequest now = shown(0);
+    const FrameMoment now = shown(0);
     const std::optional<FrameRequest> request = plan.ask(now, kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const View &view = request->views[eye], &full = now.views[eye];
@@ -354,7 +354,7 @@ TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
 TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
   plan.shrink(kLeastViewScale);
-  FrameRequest now = shown(0);
+  FrameMoment now = shown(0);
   for (View& view : now.views) view.size = {100, 9};
   EXPECT_EQ(plan.ask(now, kPeriod)->views[0].size, (Extent{16, 9}));
 }
@@ -409,7 +409,7 @@ TEST(RequestPlan, LearnsNothingOfAPause) {
 TEST(RequestPlan, PausesWithTheScene) {
   RequestPlan plan({.guard_band = GuardBandUse::Off});
   plan.learn(30ms);
-  const FrameRequest shown{FrameId{1}, Time(1s), Time(5s), {}, {}};
+  const FrameMoment shown{FrameId{1}, Time(1s), Time(5s), {}, {}};
   EXPECT_GT(plan.ask(shown, 10ms)->scene_time, Time(5s));
   EXPECT_EQ(plan.ask(shown, 10ms, SceneClock::Paused)->scene_time, Time(5s));
   EXPECT_GT(plan.ask(shown, 10ms, SceneClock::Paused)->display_time, Time(1s));

@@ -51,7 +51,7 @@ struct Client {
   ScriptedLink link;
   FrameSettings settings;
   SceneState state;
-  FrameRequest shown;
+  FrameMoment shown;
   MaskStream mask_stream;
 };
 
@@ -82,7 +82,7 @@ TEST(MaskStream, SendsWhatItHasPlanned) {
 TEST(MaskStream, WithoutALinkAsksAndReceivesNothing) {
   const FrameSettings settings;
   const SceneState state;
-  const FrameRequest shown{FrameId{1}, {}, {}, {}, {}};
+  const FrameMoment shown{FrameId{1}, {}, {}, {}, {}};
   const FrameInputs inputs{shown, state, kPeriod, settings};
   MaskStream mask_stream(nullptr, {}, {});
   EXPECT_EQ(mask_stream.plan(inputs, kMasks), nullptr);
@@ -314,7 +314,7 @@ TEST(MaskSources, AreReadDirectlyWhereTheFirstIsExact) {
   Sources client;
   client.settings.request.predictor = PredictorKind::Hold;
   client.settings.request.guard_band = GuardBandUse::Off;
-  const auto lookup = [&](const FrameRequest& shown) {
+  const auto lookup = [&](const FrameMoment& shown) {
     return client.sources.lookup(shown, Lookup::Reproject);
   };
   client.ask(1);
@@ -325,7 +325,7 @@ TEST(MaskSources, AreReadDirectlyWhereTheFirstIsExact) {
   client.link.deliver({1}, Part::All);
   client.take();
   EXPECT_EQ(lookup(client.shown), Lookup::Direct);
-  FrameRequest other = client.shown;
+  FrameMoment other = client.shown;
   other.scene_time += 1s;
   EXPECT_EQ(lookup(other), Lookup::Direct) << "nothing is animated";
   EXPECT_EQ(MaskSources(true).lookup(other, Lookup::Reproject), Lookup::Reproject);

@@ -36,7 +36,7 @@ TEST(CaptureLink, SendsNoRequestBeforeTheWelcome) {
   two.before = {received(wire_samples::welcome())};
   for (const CapturedFrame* each : {&one, &two}) {
     link.begin(*each);
-    link.request({.frame = {1}, .display_time = {}, .scene_time = {}, .views = {}}, {});
+    link.request({{.frame = {1}, .display_time = {}, .scene_time = {}, .views = {}}}, {});
     link.wait_for(FrameId{1}, 0s);
     EXPECT_EQ(link.end(), std::nullopt);
   }
@@ -121,7 +121,7 @@ TEST(Replay, NamesTheEyeWhosePictureDiffers) {
                                  .pictures = {hash_of(black), hash_of(black)}};
     Replay replay(std::move(*reader_of(file_of(alone, std::vector{captured}))), PixelReport::Off);
     ASSERT_TRUE(replay.wait_frame().has_value());
-    const FrameRequest shown = sent_request(1).request;
+    const FrameMoment shown = sent_request(1).request;
     const SceneState state;
     const StageTimes times;
     const StageStarts starts;

@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 /// Passes a shown frame to the writer, with the views of `input(number)`.
 void watch(CaptureWriter& writer, std::uint32_t number) {
   const CapturedFrameInput made = input(number);
-  const FrameRequest shown{FrameId{number}, made.timing.display_time, {}, made.views};
+  const FrameMoment shown{FrameId{number}, made.timing.display_time, {}, made.views};
   const SceneState state;
   const StageTimes times;
   const StageStarts starts;

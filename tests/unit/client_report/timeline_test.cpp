@@ -29,7 +29,7 @@ class Told {
   void show(std::uint32_t number, Duration at, std::optional<std::uint32_t> newest_mask = std::nullopt,
             const StageTimes& times = {{.gbuffer = 1ms, .shade = 3ms, .total = 5ms}}) {
     const Time begin = kBegin + at;
-    FrameRequest request{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}};
+    FrameRequest request{{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}}};
     for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kSize};
     (void)receiver_.ask(request, {}, begin + 500us);
     std::vector<TracedMask> masks;
@@ -317,7 +317,7 @@ TEST(Timeline, IsConsistentForAnyNetwork) {
 TEST(Timeline, HasOnlyTheStagesOfTheClientWithoutAServer) {
   Timeline timeline;
   EXPECT_TRUE(events_of(timeline.text()).empty());
-  const FrameRequest shown{};
+  const FrameMoment shown{};
   const SceneState state;
   const FrameSettings settings;
   const StageTimes times{{.gbuffer = 1ms, .total = 5ms}};
