@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "stereo/frame/tiles.h"
 #include "stereo/raster/max_instances.h"
 
 namespace farshade {
@@ -52,21 +51,21 @@ Renderer& AnswerRenderer::renderer_for(const Job& job) {
 AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
   const FrameRequest& request = job.request;
   Renderer& renderer = renderer_for(job);
-  const TraceStats traced = context_.tracer.trace(request, frame_, job.is_given_up);
-  for (std::size_t eye = 0; eye < kEyes; ++eye)
-    all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
-                           all_planes_received(frame_.masks[eye].layout()));
-  mask_.emplace(TracedMask{request.frame, request.display_time, request.scene_time, frame_.views,
-                           frame_.masks, all_known_, ++drawn_, frame_.light_set_revision});
+  const TraceStats traced = context_.tracer.trace(request, mask_.frame, job.is_given_up);
+  mask_.display_time = request.display_time;
+  mask_.scene_time = request.scene_time;
+  mask_.receive_all();
+  ++mask_.content;
+  traced_.emplace(mask_.traced());
   state_.emplace(state_at(context_.scene, request.scene_time, request.lights));
   state_->light_set.exposure = context_.exposure;
   const ShownFrame shown{.views = request.views,
                          .state = *state_,
-                         .masks = {&*mask_, 1},
+                         .masks = {&*traced_, 1},
                          .reprojection = {.lookup = Lookup::Direct}};
   go_on_with(job);
   const DrawTimes drawn = renderer.draw(shown);
-  return {renderer, frame_, shown, {.traced = traced, .draw = drawn.total}};
+  return {renderer, mask_.frame, shown, {.traced = traced, .draw = drawn.total}};
 }
 
 }  // namespace farshade

@@ -48,11 +48,9 @@ class AnswerRenderer {
   static constexpr std::size_t kPipelines_bytes = std::size_t{10} << 20;
   std::size_t scene_bytes_ = 0;
   Rebuilds rebuilds_;
-  ShadowFrame frame_;
-  PerEye<ReceivedTiles> all_known_;
-  std::optional<TracedMask> mask_;
+  OwnedMask mask_;
+  std::optional<TracedMask> traced_;  ///< refers to mask_
   std::optional<SceneState> state_;
-  std::uint64_t drawn_ = 0;
 };
 
 }  // namespace farshade

@@ -26,33 +26,18 @@ std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& sc
   return std::optional<CubeMaskFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
 }
 
-/// A mask of the views of a request of which nothing is known. Keeps the reference.
-class UnknownMask {
- public:
-  UnknownMask(const FrameMoment& request, MaskLayout layout) : request_(request) {
-    for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const Extent size = request.views[eye].size;
-      bits_[eye] = EyeMask(size, layout);
-      received_tiles_[eye].assign(TileGrid{size}.count(), 0);
-    }
+/// A mask of the views of a request of which nothing is known.
+OwnedMask unknown_mask(const FrameMoment& request, MaskLayout layout) {
+  OwnedMask mask{.frame = {request.frame, request.lights.revision, request.views, {}},
+                 .display_time = request.display_time,
+                 .scene_time = request.scene_time};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const Extent size = request.views[eye].size;
+    mask.frame.masks[eye] = EyeMask(size, layout);
+    mask.received_tiles[eye].assign(TileGrid{size}.count(), 0);
   }
-
-  /// Valid as long as this object.
-  [[nodiscard]] TracedMask mask() const {
-    return {.frame = request_.frame,
-            .display_time = request_.display_time,
-            .scene_time = request_.scene_time,
-            .views = request_.views,
-            .masks = bits_,
-            .received_tiles = received_tiles_,
-            .light_set_revision = request_.lights.revision};
-  }
-
- private:
-  const FrameMoment& request_;
-  PerEye<EyeMask> bits_;
-  PerEye<ReceivedTiles> received_tiles_;
-};
+  return mask;
+}
 
 }  // namespace
 
@@ -310,8 +295,9 @@ std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameMoment
   if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   if (!place || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
-  std::optional<UnknownMask> unknown;
-  const TracedMask from = base != nullptr ? *base : unknown.emplace(request, plan_.mask).mask();
+  std::optional<OwnedMask> unknown;
+  const TracedMask from =
+      base != nullptr ? *base : unknown.emplace(unknown_mask(request, plan_.mask)).traced();
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
   Motion since = motion_since(from, state);
   since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0

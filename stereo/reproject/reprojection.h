@@ -1,4 +1,4 @@
-/// The terms of reprojecting masks to shown views: what goes in (TracedMask, Reprojection) and what each
+/// The terms of reprojecting masks to shown views: what goes in beside masks (Reprojection) and what each
 /// pixel was shaded with (ShownReport). Programs include this header; it does not know Vulkan.
 #pragma once
 
@@ -8,39 +8,12 @@
 
 #include "shaders/shade_data.h"
 #include "shaders/shared.h"
-#include "stereo/frame/eye_mask.h"
-#include "stereo/frame/light_changes.h"
-#include "stereo/frame/received_tiles.h"
-#include "stereo/frame/requested_blocks.h"
-#include "stereo/frame/shadow_frame.h"
+#include "stereo/frame/traced_mask.h"
 
 namespace farshade {
 
 /// The number of masks of views that one draw can use, and that of all masks with those of the cube mask.
 inline constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS, kMaxTraced = FARSHADE_MAX_TRACED;
-
-/// A mask as the shading pass takes it. The references must be valid until the draw returns.
-struct TracedMask {
-  FrameId frame;
-  Time display_time;        ///< of the request
-  Time scene_time;          ///< of the traced scene
-  const StereoView& views;  ///< traced views, both of one size
-  const PerEye<EyeMask>& masks;
-  const PerEye<ReceivedTiles>& received_tiles;
-  std::uint64_t content = 0;  ///< changes whenever the bits or received tiles do
-  /// The light set that was traced. Bits of lights that the viewer has changed since are stale.
-  LightSetRevision light_set_revision = kFirstLightSet;
-  /// The blocks that were asked for; the others were reprojected and are known. Null: all.
-  const RequestedBlocks* requested = nullptr;
-  Time requested_at{};  ///< the display time of the frame that made the request
-};
-
-/// The blocks of a tile that are known: those that were reprojected, and once all planes of the tile have
-/// come, all.
-[[nodiscard]] inline BlockBits known_blocks(const TracedMask& mask, std::size_t eye, std::size_t tile) {
-  if (mask.received_tiles[eye][tile] == all_planes_received(mask.masks[eye].layout())) return kAllBlocks;
-  return mask.requested == nullptr ? kNoBlocks : static_cast<BlockBits>(~mask.requested->at(eye, tile));
-}
 
 enum class Lookup : std::uint8_t {
   Reproject,  ///< projects surface points into the traced views

@@ -23,8 +23,7 @@ class Reference {
 
  private:
   Tracer tracer_;
-  ShadowFrame frame_;
-  PerEye<ReceivedTiles> all_known_;
+  OwnedMask mask_;
   std::uint64_t traces_ = 0;
 };
 

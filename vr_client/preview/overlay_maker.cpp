@@ -6,35 +6,16 @@ namespace farshade {
 namespace {
 
 /// A copy of the newest mask of a frame, because the link may drop it before the overlay is drawn.
-struct KeptMask {
-  explicit KeptMask(const TracedMask& mask)
-      : views(mask.views),
-        masks(mask.masks),
-        received_tiles(mask.received_tiles),
-        requested(mask.requested ? std::optional(*mask.requested) : std::nullopt),
-        frame(mask.frame) {}
-
-  [[nodiscard]] TracedMask traced() const {
-    return {.frame = frame,
-            .display_time = {},
-            .scene_time = {},
-            .views = views,
-            .masks = masks,
-            .received_tiles = received_tiles,
-            .requested = requested ? &*requested : nullptr};
-  }
-
-  StereoView views;
-  PerEye<EyeMask> masks;
-  PerEye<ReceivedTiles> received_tiles;
-  std::optional<RequestedBlocks> requested;
-  FrameId frame;
-};
+OwnedMask copy_of(const TracedMask& mask) {
+  return {.frame = {mask.frame, mask.light_set_revision, mask.views, mask.masks},
+          .received_tiles = mask.received_tiles,
+          .requested = mask.requested ? std::optional(*mask.requested) : std::nullopt};
+}
 
 /// All that the overlays of a frame are drawn from.
 struct KeptFrame {
   FrameToMeasure frame;
-  std::optional<KeptMask> newest;
+  std::optional<OwnedMask> newest;
   Controls controls;
 };
 
@@ -63,7 +44,7 @@ void OverlayMaker::begin(const FrameView& view, Renderer& renderer, const Contro
   const Time before = kSteadyClock.now();
   if (drawing_.valid() || (next_ && before < *next_)) return;
   KeptFrame kept{read_back(view, renderer), std::nullopt, controls};
-  if (!view.masks.empty()) kept.newest.emplace(view.masks[0]);
+  if (!view.masks.empty()) kept.newest = copy_of(view.masks[0]);
   drawing_ = std::async(std::launch::async, [kept = std::move(kept)] { return draw(kept); });
   const Time now = kSteadyClock.now();
   next_ =

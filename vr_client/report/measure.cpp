@@ -152,7 +152,7 @@ FrameToMeasure read_back(const FrameView& view, Renderer& renderer) {
   return frame;
 }
 
-PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state, const TracedMask& traced,
+PerEye<Image<Rgb8>> draw_traced(const FrameMoment& shown, const SceneState& state, const TracedMask& traced,
                                 Renderer& renderer) {
   renderer.draw({.views = shown.views,
                  .state = state,

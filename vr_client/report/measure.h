@@ -86,7 +86,7 @@ struct FrameToMeasure {
 [[nodiscard]] FrameToMeasure read_back(const FrameView& view, Renderer& renderer);
 
 /// The picture of `traced`, which was traced for the views of `shown`, in full detail.
-[[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state,
+[[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameMoment& shown, const SceneState& state,
                                               const TracedMask& traced, Renderer& renderer);
 
 /// Stores the shown frame and its reference in `into` and returns the errors. Afterwards the renderer holds
