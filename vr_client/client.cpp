@@ -160,8 +160,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
 void open_renderer(Client& client, const RendererLimits& limits) {
   client.levels = levels_for(client.scene, client.plan);
   client.limits = limits;
-  client.renderer =
-      std::make_unique<Renderer>(client.device, client.scene, client.plan.draw, limits, client.levels);
+  client.renderer = make_renderer(client.device, client.scene, client.plan.draw, limits, client.levels);
 }
 
 Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m) {

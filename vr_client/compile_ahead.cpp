@@ -91,8 +91,9 @@ void compile_beside(const Client& client, const std::function<Steps(Renderer&)>&
   const Expected<gpu::Device> device = gpu::open_device({.name_contains = client.device.name});
   if (!device) return;
   // With the same limits: lavapipe's code depends on whether the sides of textures are powers of two.
-  Renderer renderer(*device, client.scene, client.plan.draw, client.limits, client.levels);
-  const Steps steps = steps_of(renderer);
+  const std::unique_ptr<Renderer> renderer =
+      make_renderer(*device, client.scene, client.plan.draw, client.limits, client.levels);
+  const Steps steps = steps_of(*renderer);
   numbers.begin(steps.size());
   while (const auto number = numbers.take_last()) {
     steps[*number]();

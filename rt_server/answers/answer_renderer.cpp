@@ -40,9 +40,8 @@ Renderer& AnswerRenderer::renderer_for(const Job& job) {
                     expected = of_pixels + kPipelines_bytes + scene_bytes_;
   renderers_.make_room(size, job.key, expected);  // before the new one takes memory
   const std::uint64_t before = device_->ledger->read().now.total();
-  auto renderer =
-      std::make_unique<Renderer>(*device_, context_.scene, context_.plan.draw,
-                                 RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
+  auto renderer = make_renderer(*device_, context_.scene, context_.plan.draw,
+                                RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
   const std::uint64_t taken = device_->ledger->read().now.total() - before;
   scene_bytes_ = taken - std::min<std::uint64_t>(taken, of_pixels);
   return *renderers_.put(size, job.key, of_pixels + kPipelines_bytes + scene_bytes_, std::move(renderer));

@@ -39,44 +39,44 @@ OwnedMask unknown_mask(const FrameMoment& request, MaskLayout layout) {
   return mask;
 }
 
-}  // namespace
-
-class Renderer::Parts {
+class VulkanRenderer final : public Renderer {
  public:
-  Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
-        const SceneLevels& levels);
+  VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
+                 const SceneLevels& levels);
 
-  DrawTimes draw(const ShownFrame& frame);
+  DrawTimes draw(const ShownFrame& frame) override;
   std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection, PixelReport report,
-                                                   Changes changes);
-  DrawTimes shade_again(const ShownFrame& frame);
+                                                   Changes changes) override;
+  DrawTimes shade_again(const ShownFrame& frame) override;
   DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                       const PerEye<HiddenArea>* hidden);
+                       const PerEye<HiddenArea>* hidden) override;
   std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
                                                 const TracedMask* base, RequestReprojection& into,
-                                                const PerEye<HiddenArea>* hidden);
-  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
+                                                const PerEye<HiddenArea>* hidden) override;
+  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame) override;
   DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                            const StereoView& shown);
-  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown);
+                            const StereoView& shown) override;
+  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown) override;
   DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                 const StereoView& from);
-  void forget();
-  [[nodiscard]] bool has_depth(FrameId frame) const {
+                                 const StereoView& from) override;
+  void forget() override;
+  [[nodiscard]] bool has_depth(FrameId frame) const override {
     return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
   }
-  [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
-  [[nodiscard]] ShownDepth shown_depth() const { return {ring_.image(), shown_depth_.layer}; }
-  [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
-  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const {
+  [[nodiscard]] const gpu::Image& shown() const override { return shading_.shown(); }
+  [[nodiscard]] ShownDepth shown_depth() const override { return {ring_.image(), shown_depth_.layer}; }
+  [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const override;
+  [[nodiscard]] ShownReport report(Side side) const override {
+    return report(side, {0, 0, size_.width, size_.height});
+  }
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const override {
     return shading_.report(side, part);
   }
-  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel);
-  [[nodiscard]] Extent size() const { return size_; }
-  [[nodiscard]] PerEye<Image<float>> read_distance();
-  void read_gbuffer(GBufferPlanes& into) { transfer_.read(shown_depth_, into); }
-  [[nodiscard]] DrawCounters counters() const;
-  [[nodiscard]] bool anything_moves() const { return plan_.anything_moves(); }
+  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) const override;
+  [[nodiscard]] PerEye<Image<float>> read_distance() const override;
+  void read_gbuffer(GBufferPlanes& into) const override { transfer_.read(shown_depth_, into); }
+  [[nodiscard]] DrawCounters counters() const override;
+  [[nodiscard]] bool anything_moves() const override { return plan_.anything_moves(); }
 
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
@@ -90,7 +90,7 @@ class Renderer::Parts {
   TimewarpPass& need_timewarp();
   Duration submit_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
                            TimewarpPass::Effect effect);
-  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
+  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const;
 
   const gpu::Device& device_;
   const Scene& scene_;
@@ -103,7 +103,7 @@ class Renderer::Parts {
   std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
   std::optional<CubeMaskFaces> faces_;  ///< set if the plan has a cube mask
   GBufferPass gbuffer_;
-  GBufferTransfer transfer_;
+  mutable GBufferTransfer transfer_;       ///< mutable: its buffers take what is read
   std::optional<DepthPass> depth_pass_;    ///< created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
   const ShadingBytes bytes_;
@@ -116,11 +116,11 @@ class Renderer::Parts {
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
-  ReadBack read_back_;
+  mutable ReadBack read_back_;  ///< mutable as transfer_
 };
 
-Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan,
-                       const RendererLimits& limits, const SceneLevels& levels)
+VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
+                               const RendererLimits& limits, const SceneLevels& levels)
     : device_(device),
       scene_(scene),
       plan_(settled(std::move(plan))),
@@ -150,12 +150,12 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
 }
 
-void Renderer::Parts::make_depth_pass() {
+void VulkanRenderer::make_depth_pass() {
   depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, depth_pipelines_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
-void Renderer::Parts::place_depth(const ShownFrame& frame) {
+void VulkanRenderer::place_depth(const ShownFrame& frame) {
   requested_depth_.reset();
   shown_depth_ = ring_.shown();
   if (frame.request == nullptr) return;
@@ -180,7 +180,7 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
 }
 
 /// What has moved since a mask was traced.
-Motion Renderer::Parts::motion_since(const TracedMask& mask, const SceneState& now) {
+Motion VulkanRenderer::motion_since(const TracedMask& mask, const SceneState& now) {
   const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, now.scene_time);
   if (!moves && mask.light_set_revision == now.light_set.revision) return {};
   return motion_.between(state_at(scene_, mask.scene_time, up_to(now.light_changes, mask.light_set_revision)),
@@ -188,7 +188,7 @@ Motion Renderer::Parts::motion_since(const TracedMask& mask, const SceneState& n
 }
 
 /// Selects the usable masks and prepares the shading pass with them.
-void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
+void VulkanRenderer::prepare_shading(const ShownFrame& frame) {
   if (frame.shadow_maps != nullptr) {
     ShadowMaps& maps = need_maps(*frame.shadow_maps);
     maps.prepare(frame.views, frame.state);
@@ -207,7 +207,7 @@ void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
 }
 
 /// The existing shadow maps if their settings match, otherwise new ones.
-ShadowMaps& Renderer::Parts::need_maps(const ShadowMapSettings& settings) {
+ShadowMaps& VulkanRenderer::need_maps(const ShadowMapSettings& settings) {
   if (!shadow_maps_ || shadow_maps_->settings() != settings) {
     shadow_maps_.reset();
     shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, settings);
@@ -215,13 +215,13 @@ ShadowMaps& Renderer::Parts::need_maps(const ShadowMapSettings& settings) {
   return *shadow_maps_;
 }
 
-void Renderer::Parts::forget() {
+void VulkanRenderer::forget() {
   ring_.forget();
   if (faces_) faces_->forget();
   masks_.forget();
 }
 
-DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
+DrawTimes VulkanRenderer::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
   if (faces_) faces_->prepare(frame);
@@ -232,8 +232,8 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   return times;
 }
 
-std::vector<std::function<void()>> Renderer::Parts::compile_steps(const Reprojection& reprojection,
-                                                                  PixelReport report, Changes changes) {
+std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reprojection& reprojection,
+                                                                 PixelReport report, Changes changes) {
   if (plan_.anything_moves()) changes = Changes::Possible;
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
@@ -252,7 +252,7 @@ std::vector<std::function<void()>> Renderer::Parts::compile_steps(const Reprojec
   return steps;
 }
 
-DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
+DrawTimes VulkanRenderer::shade_again(const ShownFrame& frame) {
   const Stopwatch watch;
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Shade);
@@ -260,8 +260,8 @@ DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::Parts::keep_depth(const FrameMoment& request, std::size_t slot,
-                                      PerEye<Image<float>>& into, const PerEye<HiddenArea>* hidden) {
+DrawTimes VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot,
+                                     PerEye<Image<float>>& into, const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
@@ -282,15 +282,15 @@ DrawTimes Renderer::Parts::keep_depth(const FrameMoment& request, std::size_t sl
           .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
-RequestReprojectionPass& Renderer::Parts::need_request_reprojection() {
+RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
   if (!request_reprojection_) request_reprojection_.emplace(device_, plan_, ring_, traced_size_);
   return *request_reprojection_;
 }
 
-std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                               const TracedMask* base,
-                                                               RequestReprojection& into,
-                                                               const PerEye<HiddenArea>* hidden) {
+std::optional<DrawTimes> VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
+                                                              const TracedMask* base,
+                                                              RequestReprojection& into,
+                                                              const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
@@ -321,7 +321,7 @@ std::optional<DrawTimes> Renderer::Parts::reproject_to_request(const FrameMoment
                    .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
-DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
+DrawTimes VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
   const Stopwatch watch;
   ShownFrame direct = frame;
   direct.request = nullptr;
@@ -334,7 +334,7 @@ DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const Show
   return times;
 }
 
-DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
+DrawTimes VulkanRenderer::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -366,13 +366,13 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
                         .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
-TimewarpPass& Renderer::Parts::need_timewarp() {
+TimewarpPass& VulkanRenderer::need_timewarp() {
   if (!timewarp_) timewarp_.emplace(device_, shading_.shown(), traced_size_);
   return *timewarp_;
 }
 
-DrawTimes Renderer::Parts::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                           const StereoView& shown) {
+DrawTimes VulkanRenderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                          const StereoView& shown) {
   const Stopwatch watch;
   need_timewarp().load(picture);
   const Duration timewarp =
@@ -380,16 +380,15 @@ DrawTimes Renderer::Parts::show_timewarped(const PerEye<Image<Rgb8>>& picture, c
   return {.timewarp = timewarp, .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::Parts::timewarp_shown(const StereoView& from, const StereoView& shown) {
+DrawTimes VulkanRenderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
   const Stopwatch watch;
   const Duration timewarp =
       submit_timewarp(from, shown, TimewarpPass::Source::Shown, TimewarpPass::Effect::Show);
   return {.timewarp = timewarp, .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::Parts::draw_with_difference(const ShownFrame& frame,
-                                                const PerEye<Image<Rgb8>>& difference,
-                                                const StereoView& from) {
+DrawTimes VulkanRenderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                               const StereoView& from) {
   const Stopwatch watch;
   ShownFrame unshadowed = frame;
   unshadowed.masks = {};
@@ -402,8 +401,8 @@ DrawTimes Renderer::Parts::draw_with_difference(const ShownFrame& frame,
   return times;
 }
 
-Duration Renderer::Parts::submit_timewarp(const StereoView& from, const StereoView& shown,
-                                          TimewarpPass::Source source, TimewarpPass::Effect effect) {
+Duration VulkanRenderer::submit_timewarp(const StereoView& from, const StereoView& shown,
+                                         TimewarpPass::Source source, TimewarpPass::Effect effect) {
   TimewarpPass& timewarp = need_timewarp();
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -413,7 +412,7 @@ Duration Renderer::Parts::submit_timewarp(const StereoView& from, const StereoVi
   return timewarp.time();
 }
 
-PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
+PerEye<Image<Rgb8>> VulkanRenderer::read_shown() const {
   const auto pixels = read_back_.read<Rgba8>(shading_.shown(), vk::ImageLayout::eGeneral, 0, size_);
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -422,7 +421,7 @@ PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
   return result;
 }
 
-ShownSurface Renderer::Parts::read_surface(Side side, glm::uvec2 pixel) {
+ShownSurface VulkanRenderer::read_surface(Side side, glm::uvec2 pixel) const {
   const GBufferTransfer::Pixel read = transfer_.read(shown_depth_, side, pixel);
   if (read.depth <= 0) return {};
   ShownSurface surface{.distance_m = static_cast<float>(kNearPlane_m / read.depth),
@@ -433,13 +432,13 @@ ShownSurface Renderer::Parts::read_surface(Side side, glm::uvec2 pixel) {
   return surface;
 }
 
-PerEye<Image<float>> Renderer::Parts::read_distance() {
+PerEye<Image<float>> VulkanRenderer::read_distance() const {
   PerEye<Image<float>> result;
   read_distance(shown_depth_, size_, result);
   return result;
 }
 
-void Renderer::Parts::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) {
+void VulkanRenderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const {
   const auto depths =
       read_back_.read<float>(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -452,7 +451,7 @@ void Renderer::Parts::read_distance(DepthRing::Place place, Extent size, PerEye<
   }
 }
 
-DrawCounters Renderer::Parts::counters() const {
+DrawCounters VulkanRenderer::counters() const {
   DrawCounters counters{.pipelines = shading_.pipelines(),
                         .bindings = shading_.bindings(),
                         .lookups = shading_.lookups(),
@@ -489,104 +488,16 @@ DrawCounters Renderer::Parts::counters() const {
   return counters;
 }
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
-                   const SceneLevels& levels)
-    : parts_(std::make_unique<Parts>(device, scene, std::move(plan), limits, levels)) {}
+}  // namespace
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
-    : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}
-
-Renderer::~Renderer() = default;
-
-DrawTimes Renderer::draw(const ShownFrame& frame) {
-  return parts_->draw(frame);
+std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
+                                        const RendererLimits& limits, const SceneLevels& levels) {
+  return std::make_unique<VulkanRenderer>(device, scene, std::move(plan), limits, levels);
 }
 
-std::vector<std::function<void()>> Renderer::compile_steps(const Reprojection& reprojection,
-                                                           PixelReport report, Changes changes) {
-  return parts_->compile_steps(reprojection, report, changes);
-}
-
-DrawTimes Renderer::shade_again(const ShownFrame& frame) {
-  return parts_->shade_again(frame);
-}
-
-DrawTimes Renderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                               const PerEye<HiddenArea>* hidden) {
-  return parts_->keep_depth(request, slot, into, hidden);
-}
-
-std::optional<DrawTimes> Renderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                        const TracedMask* base, RequestReprojection& into,
-                                                        const PerEye<HiddenArea>* hidden) {
-  return parts_->reproject_to_request(request, slot, base, into, hidden);
-}
-
-DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
-  return parts_->draw_received(planes, frame);
-}
-
-DrawTimes Renderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                    const StereoView& shown) {
-  return parts_->show_timewarped(picture, from, shown);
-}
-
-DrawTimes Renderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
-  return parts_->timewarp_shown(from, shown);
-}
-
-DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                         const StereoView& from) {
-  return parts_->draw_with_difference(frame, difference, from);
-}
-
-void Renderer::forget() {
-  parts_->forget();
-}
-
-bool Renderer::has_depth(FrameId frame) const {
-  return parts_->has_depth(frame);
-}
-
-const gpu::Image& Renderer::shown() const {
-  return parts_->shown();
-}
-
-ShownDepth Renderer::shown_depth() const {
-  return parts_->shown_depth();
-}
-
-PerEye<Image<Rgb8>> Renderer::read_shown() const {
-  return parts_->read_shown();
-}
-
-ShownReport Renderer::report(Side side) const {
-  const Extent size = parts_->size();
-  return parts_->report(side, {0, 0, size.width, size.height});
-}
-
-ShownReport Renderer::report(Side side, const TileRect& part) const {
-  return parts_->report(side, part);
-}
-
-ShownSurface Renderer::read_surface(Side side, glm::uvec2 pixel) const {
-  return parts_->read_surface(side, pixel);
-}
-
-PerEye<Image<float>> Renderer::read_distance() const {
-  return parts_->read_distance();
-}
-
-void Renderer::read_gbuffer(GBufferPlanes& into) const {
-  parts_->read_gbuffer(into);
-}
-
-DrawCounters Renderer::counters() const {
-  return parts_->counters();
-}
-
-bool Renderer::anything_moves() const {
-  return parts_->anything_moves();
+std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
+                                        const RendererLimits& limits) {
+  return make_renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits);
 }
 
 }  // namespace farshade

@@ -96,92 +96,91 @@ struct RendererLimits {
   std::uint32_t depth_frames = 8;  ///< slots for the depth of requests
 };
 
+/// An interface, so that its users need not know Vulkan. make_renderer makes it.
 class Renderer {
  public:
-  /// Keeps the references except `levels`, which are those of the scene or empty. `plan` is a plan for
-  /// `scene`; the scene has only the lights that the plan keeps. Throws when the device runs out of memory.
-  Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
-           const SceneLevels& levels = {});
-  /// With a plan that keeps all lights of the scene and suits any client.
-  Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
-  Renderer(const Renderer&) = delete;
-  Renderer& operator=(const Renderer&) = delete;
-  ~Renderer();
+  virtual ~Renderer() = default;
 
-  DrawTimes draw(const ShownFrame& frame);
+  virtual DrawTimes draw(const ShownFrame& frame) = 0;
 
   /// Steps that create and run every pipeline that frames with these settings can need, whatever masks they
   /// have: about one each, in any order. After them no frame waits for a compiler. They take seconds where
   /// the driver has no cache. Call them before the first frame; they refer to the renderer. `changes`: a
   /// viewer can move lights.
-  [[nodiscard]] std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection,
-                                                                 PixelReport report, Changes changes);
+  [[nodiscard]] virtual std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection,
+                                                                         PixelReport report,
+                                                                         Changes changes) = 0;
 
   /// Shades the last drawn frame again. Views and state are the same; masks and Reprojection may differ.
-  DrawTimes shade_again(const ShownFrame& frame);
+  virtual DrawTimes shade_again(const ShownFrame& frame) = 0;
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
   /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
   /// request's record. `hidden`: pixels of its views without a surface, whatever is there; null: none.
-  DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                       const PerEye<HiddenArea>* hidden = nullptr);
+  virtual DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
+                               const PerEye<HiddenArea>* hidden = nullptr) = 0;
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reprojects `base` to
   /// these views. A light that has moved or was switched since the base was traced is unknown everywhere.
   /// Without a base (null), everything is unknown that has a surface. No value, and nothing drawn, if the
   /// depth of the base is gone, or the plan does not reproject masks. `slot` is that of the request's
   /// record, `hidden` as in keep_depth.
-  std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                const TracedMask* base, RequestReprojection& into,
-                                                const PerEye<HiddenArea>* hidden = nullptr);
+  virtual std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
+                                                        const TracedMask* base, RequestReprojection& into,
+                                                        const PerEye<HiddenArea>* hidden = nullptr) = 0;
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.
-  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
+  virtual DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame) = 0;
 
   /// Shows an sRGB picture that was made for `from`, turned to `shown`. The picture and `from` have one size,
   /// with no side larger than that of a traced view. Pixels outside of the picture (outside_share) are black.
-  DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                            const StereoView& shown);
+  virtual DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                    const StereoView& shown) = 0;
 
   /// Turns the shown picture, which was made for `from`.
-  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown);
+  virtual DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown) = 0;
 
   /// Draws `frame` without shadows and without its masks, and adds `difference`, a difference_of for `from`,
   /// turned to the frame's views. Its size is free as in show_timewarped. Pixels outside of it have no
   /// shadows.
-  DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                 const StereoView& from);
+  virtual DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                         const StereoView& from) = 0;
 
   /// Forgets the depth of all requests and all masks. Call this when frame ids start again.
-  void forget();
+  virtual void forget() = 0;
 
   /// The depth of the views, or faces, of this request is kept.
-  [[nodiscard]] bool has_depth(FrameId frame) const;
+  [[nodiscard]] virtual bool has_depth(FrameId frame) const = 0;
 
   // Results of the last draw.
   /// The shaded picture: one layer per eye, rgba8 UNORM, usage sampled, layout General.
-  [[nodiscard]] const gpu::Image& shown() const;
+  [[nodiscard]] virtual const gpu::Image& shown() const = 0;
   /// The depth of the surfaces that `draw` or `draw_received` has shown.
-  [[nodiscard]] ShownDepth shown_depth() const;
-  [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
-  [[nodiscard]] ShownReport report(Side side) const;
+  [[nodiscard]] virtual ShownDepth shown_depth() const = 0;
+  [[nodiscard]] virtual PerEye<Image<Rgb8>> read_shown() const = 0;
+  [[nodiscard]] virtual ShownReport report(Side side) const = 0;
   /// The report of the pixels of `part`.
-  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const;
+  [[nodiscard]] virtual ShownReport report(Side side, const TileRect& part) const = 0;
   /// Waits for a copy of one pixel.
-  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) const;
+  [[nodiscard]] virtual ShownSurface read_surface(Side side, glm::uvec2 pixel) const = 0;
   /// Metres along -z, 0 for uncovered pixels.
-  [[nodiscard]] PerEye<Image<float>> read_distance() const;
+  [[nodiscard]] virtual PerEye<Image<float>> read_distance() const = 0;
   /// Reuses the memory of the planes.
-  void read_gbuffer(GBufferPlanes& into) const;
+  virtual void read_gbuffer(GBufferPlanes& into) const = 0;
 
-  [[nodiscard]] DrawCounters counters() const;
+  [[nodiscard]] virtual DrawCounters counters() const = 0;
   /// Something in the scene can move, according to the plan.
-  [[nodiscard]] bool anything_moves() const;
-
- private:
-  class Parts;
-  std::unique_ptr<Parts> parts_;  ///< what knows Vulkan
+  [[nodiscard]] virtual bool anything_moves() const = 0;
 };
+
+/// Keeps the references except `levels`, which are those of the scene or empty. `plan` is a plan for
+/// `scene`; the scene has only the lights that the plan keeps. Throws when the device runs out of memory.
+[[nodiscard]] std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
+                                                      DrawPlan plan, const RendererLimits& limits,
+                                                      const SceneLevels& levels = {});
+/// With a plan that keeps all lights of the scene and suits any client.
+[[nodiscard]] std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
+                                                      const RendererLimits& limits);
 
 }  // namespace farshade

@@ -160,7 +160,7 @@ Expected<void> run(const Options& options) {
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
   DrawPlan draw_plan = plan_for(*scene, {.all_lights = true, .detail_px = options.detail_px}).draw;
   const SceneLevels levels = levels_for(*scene, options);
-  Renderer renderer(*device, *scene, draw_plan, limits, levels);
+  const std::unique_ptr<Renderer> renderer = make_renderer(*device, *scene, draw_plan, limits, levels);
   RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   Assembler assembler(kRing_frames);
@@ -184,19 +184,19 @@ Expected<void> run(const Options& options) {
                      .reprojection = {},
                      .request_slot = assembler.find(request.frame)->slot,
                      .detail = Detail::Full};
-    const DrawTimes full = renderer.draw(frame);
+    const DrawTimes full = renderer->draw(frame);
     times.full_triangles = full.triangles;
     frame.detail = Detail::Levels;
-    const DrawTimes drawn = renderer.draw(frame);
+    const DrawTimes drawn = renderer->draw(frame);
     times.triangles = drawn.triangles;
     if (masks.empty()) continue;
     for (ReprojectionMode& mode : times.modes) {
       frame.reprojection = mode.reprojection;
-      const DrawTimes again = renderer.shade_again(frame);
+      const DrawTimes again = renderer->shade_again(frame);
       if (number > kWarmUp_frames) mode.ms.push_back(ms_of(again.shade));
     }
     if (number <= kWarmUp_frames) continue;
-    time_request_reprojection(renderer, request, frame.request_slot, masks[0], times);
+    time_request_reprojection(*renderer, request, frame.request_slot, masks[0], times);
     add_frame(times, drawn, collect);
     times.full_gbuffer.push_back(ms_of(full.gbuffer));
     times.full_depth.push_back(ms_of(full.depth));

@@ -58,7 +58,8 @@ class PlanPair {
       : planned_(plan_scene(scene, {.kind = kind})),
         device_(value_of(gpu::open_device({options.gpu, gpu::Validation::Off}))),
         tracer_(value_of(Tracer::create(planned_.scene, planned_.plan.trace))),
-        renderer_(device_, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
+        renderer_(make_renderer(device_, planned_.scene, planned_.plan.draw,
+                                {size, largest_traced(size), kRing_frames})),
         state_(state_at(planned_.scene, Time{})) {}
 
   /// No figures while there are no masks to draw with.
@@ -74,18 +75,18 @@ class PlanPair {
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
     const double taken_ms = collect_ms(assembler_, datagrams);
     const std::vector<TracedMask> masks = usable_masks(assembler_, shown.frame);
-    const DrawTimes drawn = renderer_.draw({.views = shown.views,
-                                            .state = state_,
-                                            .request = &request,
-                                            .masks = masks,
-                                            .reprojection = {},
-                                            .request_slot = assembler_.find(request.frame)->slot});
+    const DrawTimes drawn = renderer_->draw({.views = shown.views,
+                                             .state = state_,
+                                             .request = &request,
+                                             .masks = masks,
+                                             .reprojection = {},
+                                             .request_slot = assembler_.find(request.frame)->slot});
     if (masks.empty()) return std::nullopt;
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
                    .shadow_rays = static_cast<double>(stats.shadow_rays),
                    .bytes = bytes,
                    .server_bytes = static_cast<double>(server_bytes()),
-                   .client_bytes = static_cast<double>(renderer_.counters().memory.peak_total),
+                   .client_bytes = static_cast<double>(renderer_->counters().memory.peak_total),
                    .trace_ms = trace_ms,
                    .pack_ms = pack_ms,
                    .collect_ms = taken_ms,
@@ -111,7 +112,7 @@ class PlanPair {
   FramePacker packer_;
   Assembler assembler_{kRing_frames};
   ShadowFrame traced_;
-  Renderer renderer_;
+  std::unique_ptr<Renderer> renderer_;
   SceneState state_;
 };
 

@@ -115,7 +115,8 @@ class Bench {
       : scene_(scene),
         options_(options),
         state_(state_at(scene, Time{})),
-        renderer_(device, scene, {{options.side_px, options.side_px}, {options.side_px, options.side_px}, 1}),
+        renderer_(make_renderer(device, scene,
+                                {{options.side_px, options.side_px}, {options.side_px, options.side_px}, 1})),
         tracer_(Tracer::create(scene).value()) {
     for (const std::uint32_t bits : {10u, 12u, 14u, 16u, 18u, 20u, 22u, 24u})
       rows_.emplace_back().bits = bits;
@@ -124,16 +125,16 @@ class Bench {
   void look(double yaw_rad) {
     const FrameRequest request = request_of(scene_, yaw_rad, options_.side_px);
     const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .reprojection = {}};
-    draw_ms_.push_back(ms_of(renderer_.draw(frame).total));
+    draw_ms_.push_back(ms_of(renderer_->draw(frame).total));
     const Stopwatch reading;
-    renderer_.read_gbuffer(gbuffer_);
+    renderer_->read_gbuffer(gbuffer_);
     read_ms_.push_back(ms_of(reading.elapsed()));
     for (std::size_t i = 0; i < kGBufferKinds.size(); ++i)
       travels_[i].take(both(planes_of(gbuffer_, kGBufferKinds[i])), kGBufferKinds[i], packer_);
     const Stopwatch receiving;
-    renderer_.draw_received(gbuffer_, frame);
+    renderer_->draw_received(gbuffer_, frame);
     received_ms_.push_back(ms_of(receiving.elapsed()));
-    const PerEye<Image<float>> distance = renderer_.read_distance();
+    const PerEye<Image<float>> distance = renderer_->read_distance();
     const Stopwatch tracing;
     const TraceStats stats = tracer_.trace(request, truth_);
     trace_ms_.push_back(ms_of(tracing.elapsed()));
@@ -198,7 +199,7 @@ class Bench {
   const Scene& scene_;
   Options options_;
   SceneState state_;
-  Renderer renderer_;
+  std::unique_ptr<Renderer> renderer_;
   Tracer tracer_;
   PlanePacker packer_;
   GBufferPlanes gbuffer_;

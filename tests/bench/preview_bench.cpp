@@ -96,8 +96,8 @@ void compare(const BenchOptions& options) {
   gpu::DeviceOptions device_options;
   device_options.presentation = window->presentation();
   const gpu::Device device = value_of(gpu::open_device(device_options));
-  Renderer renderer(device, scene, {size, largest_traced(size), kRing_frames});
-  Presenter presenter(device, *window, renderer.shown());
+  const auto renderer = make_renderer(device, scene, {size, largest_traced(size), kRing_frames});
+  Presenter presenter(device, *window, renderer->shown());
   Tracer tracer = value_of(Tracer::create(scene));
   const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
   Controls controls;
@@ -131,7 +131,7 @@ void compare(const BenchOptions& options) {
     // Each pose is drawn offscreen and in the window; the order alternates.
     for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
       const Stopwatch frame;
-      renderer.draw({.views = shown.views,
+      renderer->draw({.views = shown.views,
                      .state = state,
                      .request = &request,
                      .masks = masks,

@@ -48,28 +48,28 @@ class Comparison {
         options_(options),
         settings_(settings),
         always_settings_(settings),
-        renderer_(device, scene, plan(), {size(), size(), 1}),
-        always_(device, scene, plan(), {size(), size(), 1}) {
+        renderer_(make_renderer(device, scene, plan(), {size(), size(), 1})),
+        always_(make_renderer(device, scene, plan(), {size(), size(), 1})) {
     always_settings_.redraw = Redraw::Always;
   }
 
   void compare(const FrameRequest& request, Figures& figures) {
     tracer_.trace(request, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
-    figures.maps_ms.push_back(ms(always_.draw(with_maps(request, start_, always_settings_)).maps));
-    renderer_.draw(with_maps(request, state_at(scene_, animated_), settings_));
+    figures.maps_ms.push_back(ms(always_->draw(with_maps(request, start_, always_settings_)).maps));
+    renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
     animated_ = animated_ + kPeriod;
-    const DrawTimes moved = renderer_.draw(with_maps(request, state_at(scene_, animated_), settings_));
+    const DrawTimes moved = renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
     figures.moved_ms.push_back(ms(moved.maps));
     figures.shade_ms.push_back(ms(moved.shade));
     figures.gbuffer_ms.push_back(ms(moved.gbuffer));
     ShownFrame reported = with_maps(request, start_, settings_);
     reported.report = PixelReport::On;
-    renderer_.draw(reported);
-    const PerEye<Image<Rgb8>> pictures = renderer_.read_shown();
+    renderer_->draw(reported);
+    const PerEye<Image<Rgb8>> pictures = renderer_->read_shown();
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
-      figures.mask_error.push_back(compare_masks(renderer_.report(side), truth_.masks[eye]).mask_error);
+      figures.mask_error.push_back(compare_masks(renderer_->report(side), truth_.masks[eye]).mask_error);
       figures.psnr_db.push_back(psnr_db(pictures[eye], reference[eye]));
       const double per_degree = pixels_per_degree(request.views[eye]);
       figures.flip.push_back(mean(flip(reference[eye], pictures[eye], per_degree)));
@@ -102,9 +102,9 @@ class Comparison {
                                          .received_tiles = known,
                                          .content = request.frame.value}};
     const DrawTimes times =
-        renderer_.draw({.views = request.views, .state = start_, .masks = masks, .reprojection = {}});
+        renderer_->draw({.views = request.views, .state = start_, .masks = masks, .reprojection = {}});
     figures.masks_ms.push_back(ms(times.shade));
-    return renderer_.read_shown();
+    return renderer_->read_shown();
   }
 
   [[nodiscard]] static ShownFrame with_maps(const FrameRequest& request, const SceneState& state,
@@ -117,7 +117,7 @@ class Comparison {
   Tracer& tracer_;
   const Options& options_;
   ShadowMapSettings settings_, always_settings_;
-  Renderer renderer_, always_;
+  std::unique_ptr<Renderer> renderer_, always_;
   SceneState start_ = state_at(scene_, Time{});
   Time animated_{};
   ShadowFrame truth_;

@@ -22,8 +22,7 @@ class LevelsInPictures : public OnLavapipe {
   [[nodiscard]] std::unique_ptr<Renderer> renderer(float detail_px) const {
     DrawPlan plan = plan_for(scene_, {.all_lights = true}).draw;
     plan.detail_px = detail_px;
-    return std::make_unique<Renderer>(device_, scene_, plan, kDetailLimits,
-                                      detail_px > 0 ? levels_ : SceneLevels{});
+    return make_renderer(device_, scene_, plan, kDetailLimits, detail_px > 0 ? levels_ : SceneLevels{});
   }
 
   struct Drawn {
@@ -144,7 +143,8 @@ TEST_F(OnLavapipe, ClustersOutsideOfTheViewsAreLeftOut) {
   builder.add(std::move(sphere), builder.material(material));
   builder.point_light({0, 0, 0});
   const Scene scene = builder.build();
-  Renderer renderer(device_, scene, kDetailLimits);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, kDetailLimits);
+  Renderer& renderer = *renderer_owner;
   for (int direction = 0; direction < 7; ++direction) {
     const auto head = moved({}, 0.9 * direction, {0.3, 0.1 * direction, 0});
     const DrawTimes drawn = renderer.draw({.views = eyes_of(head, kDetailSide_px),

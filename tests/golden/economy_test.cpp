@@ -89,7 +89,8 @@ class Economy : public OnLavapipe {
   /// Requests a mask for some views, and half a second later draws other views with it.
   Cost drawn(const Scene& scene, const SessionNeeds& needs = {}) {
     const DrawPlan plan = plan_for(scene, needs).draw;
-    Renderer renderer(device_, scene, plan, kLimits);
+    const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, plan, kLimits);
+    Renderer& renderer = *renderer_owner;
     const SceneState now = state_at(scene, Time(500ms));
     const StereoView shown = eyes_at(0.06), requested = eyes_at(0.08);
     const FrameMoment first{FrameId{1}, Time{}, Time{}, shown},
@@ -205,16 +206,20 @@ TEST_F(Economy, AllFeaturesTogetherCostMoreOfEverything) {
 
 TEST_F(Economy, EverythingIsBuiltBeforeTheFirstFrame) {
   const Scene scene = scene_with({});
-  const Renderer needed(device_, scene, kLimits);
+  const std::unique_ptr<Renderer> needed_owner = make_renderer(device_, scene, kLimits);
+  const Renderer& needed = *needed_owner;
   EXPECT_EQ(needed.counters().pipelines, 0u);
-  const Renderer everything(device_, scene, plan_for(scene, {.kind = PlanKind::Everything}).draw, kLimits);
+  const std::unique_ptr<Renderer> everything_owner =
+      make_renderer(device_, scene, plan_for(scene, {.kind = PlanKind::Everything}).draw, kLimits);
+  const Renderer& everything = *everything_owner;
   EXPECT_EQ(everything.counters().pipelines, drawn(scene, {.kind = PlanKind::Everything}).pipelines);
 }
 
 TEST_F(Economy, PipelinesAreCompiledAheadOneASubmission) {
   const Scene scene = scene_with({Feature::MovingThing});
   const DrawPlan plan = plan_for(scene).draw;
-  Renderer renderer(device_, scene, plan, kLimits);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, plan, kLimits);
+  Renderer& renderer = *renderer_owner;
   const auto steps = renderer.compile_steps({}, PixelReport::Off, Changes::Never);
   for (const auto& step : steps) step();
   EXPECT_EQ(renderer.counters().pipelines, steps.size());
@@ -226,7 +231,8 @@ TEST_F(Economy, AMeshIsDeformedOnceForEachTimeOfAFrame) {
   const Scene scene = bending_figures(random, 3000);
   const DrawPlan plan = plan_for(scene).draw;
   ASSERT_GT(most_cube_mask_pairs(plan), 0u);
-  Renderer renderer(device_, scene, plan, kLimits);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, plan, kLimits);
+  Renderer& renderer = *renderer_owner;
   const auto meshes = static_cast<std::uint64_t>(
       std::ranges::count_if(scene.instances, [](const Instance& i) { return i.rig.has_value(); }));
   ASSERT_GT(meshes, 3u);
@@ -262,7 +268,9 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
   constexpr std::uint32_t kFrames = 24, kSlots = 8;
   const Scene scene = scene_with({});
   const DrawPlan plan = plan_for(scene).draw;
-  Renderer renderer(device_, scene, plan, {.size = kSize, .traced_size = kSize, .depth_frames = kSlots});
+  const std::unique_ptr<Renderer> renderer_owner =
+      make_renderer(device_, scene, plan, {.size = kSize, .traced_size = kSize, .depth_frames = kSlots});
+  Renderer& renderer = *renderer_owner;
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_at(0.06);
   std::deque<Mask> masks;  // newest first
@@ -319,7 +327,8 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
   };
   Drawn drawn(PlanKind kind) {
     const DrawPlan plan = plan_for(scene_, {.kind = kind, .all_lights = true}).draw;
-    Renderer renderer(device_, scene_, plan, limits_);
+    const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene_, plan, limits_);
+    Renderer& renderer = *renderer_owner;
     const SceneState now = state_at(scene_, kNow);
     const StereoView requested = eyes_of(head_, kSide_px),
                      shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
@@ -395,7 +404,8 @@ TEST_P(WholeScene, TakesTheMemoryThatIsPredictedWithShadowMaps) {
   device_.ledger = std::make_shared<gpu::Ledger>();
   const DrawPlan plan = plan_for(scene_, {.reprojects = false, .all_lights = true}).draw;
   const ShadowMapSettings settings{.side_px = 256};
-  Renderer renderer(device_, scene_, plan, limits_);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene_, plan, limits_);
+  Renderer& renderer = *renderer_owner;
   const SceneState now = state_at(scene_, kNow);
   renderer.draw({.views = eyes_of(head_, kSide_px),
                  .state = now,

@@ -208,8 +208,9 @@ class HiddenAreasOfModes : public OnLavapipe, public testing::WithParamInterface
 
 TEST_P(HiddenAreasOfModes, AreThoseOfTheRuntime) {
   const Scene scene = bundled("room.glb");
-  Renderer renderer(device_, scene,
-                    RendererLimits{{kLensSide_px, kLensSide_px}, {kLensSide_px, kLensSide_px}, 2});
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(
+      device_, scene, RendererLimits{{kLensSide_px, kLensSide_px}, {kLensSide_px, kLensSide_px}, 2});
+  Renderer& renderer = *renderer_owner;
   const StereoView views = eyes_of(head_at_camera(scene), kLensSide_px);
   OneFrame runtime(views);
   const FrameSettings settings;

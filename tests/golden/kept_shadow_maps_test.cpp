@@ -14,23 +14,24 @@ constexpr ShadowMapSettings kWhenMoved{.side_px = 256}, kAlways{.side_px = 256, 
 class MapRenderer {
  public:
   MapRenderer(const gpu::Device& device, const Scene& scene, const ShadowMapSettings& settings)
-      : renderer_(device, scene, plan_for(scene, {.reprojects = false, .all_lights = true}).draw,
-                  {{kEye_px, kEye_px}, {kEye_px, kEye_px}, 1}),
+      : renderer_(make_renderer(device, scene,
+                                plan_for(scene, {.reprojects = false, .all_lights = true}).draw,
+                                {{kEye_px, kEye_px}, {kEye_px, kEye_px}, 1})),
         settings_(settings) {}
 
   PerEye<Image<Rgb8>> show(const Rigid<Stage, Head>& head, const SceneState& state) {
-    renderer_.draw({.views = eyes_of(head, kEye_px),
-                    .state = state,
-                    .masks = {},
-                    .reprojection = {},
-                    .shadow_maps = &settings_});
-    return renderer_.read_shown();
+    renderer_->draw({.views = eyes_of(head, kEye_px),
+                     .state = state,
+                     .masks = {},
+                     .reprojection = {},
+                     .shadow_maps = &settings_});
+    return renderer_->read_shown();
   }
 
-  [[nodiscard]] DrawCounters counters() const { return renderer_.counters(); }
+  [[nodiscard]] DrawCounters counters() const { return renderer_->counters(); }
 
  private:
-  Renderer renderer_;
+  std::unique_ptr<Renderer> renderer_;
   ShadowMapSettings settings_;
 };
 

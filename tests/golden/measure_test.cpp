@@ -14,7 +14,9 @@ class Measure : public OnLavapipe {
   PerEye<EyeErrors> errors_of(const char* name, Duration late) {
     const Scene scene = bundled(name);
     Reference reference(Tracer::create_reference(scene).value());
-    Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1});
+    const std::unique_ptr<Renderer> renderer_owner =
+        make_renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1});
+    Renderer& renderer = *renderer_owner;
     FrameMoment shown;
     shown.views = eyes_of(head_at_camera(scene), kSide_px);
     FrameToMeasure frame{.shown = shown, .state = state_at(scene, Time{} + late), .as = ShownAs::Picture};

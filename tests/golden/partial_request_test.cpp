@@ -27,7 +27,7 @@ class PartialRequestsInARow : public OnLavapipe {
     requested_ = request.requested;
     assembler_.expect(request, layout_, lights_.revision, {}, partial_request_.parts().reprojected);
     if (!partial_request_.drawn())
-      renderer_.keep_depth(request, assembler_.find(request.frame)->slot, distances_);
+      renderer_->keep_depth(request, assembler_.find(request.frame)->slot, distances_);
     tracer_.trace(request, traced_);
     if (spoil) spoil(traced_);
     packer_.begin();
@@ -58,8 +58,8 @@ class PartialRequestsInARow : public OnLavapipe {
   Scene scene_ = bundled("box_over_plane.gltf");
   MaskLayout layout_{narrow<std::uint32_t>(scene_.lights.size())};
   Tracer tracer_ = Tracer::create(scene_).value();
-  Renderer renderer_{device_, scene_, RendererLimits{{256, 256}, {256, 256}, 8}};
-  PartialRequest partial_request_{renderer_};
+  std::unique_ptr<Renderer> renderer_ = make_renderer(device_, scene_, {{256, 256}, {256, 256}, 8});
+  PartialRequest partial_request_{*renderer_};
   Assembler assembler_;
   FramePacker packer_;
   ShadowFrame traced_;

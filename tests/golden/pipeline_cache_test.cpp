@@ -27,8 +27,9 @@ class PipelineCache : public OnLavapipe {
     builder.point_light({0, 0, 1});
     builder.add(quad({0, 0, -2}, {1, 0, 0}, {0, 1, 0}));
     const Scene scene = builder.build();
-    Renderer renderer(device_, scene,
-                      {.size = kCacheTestSize, .traced_size = kCacheTestSize, .depth_frames = 1});
+    const std::unique_ptr<Renderer> renderer_owner = make_renderer(
+        device_, scene, {.size = kCacheTestSize, .traced_size = kCacheTestSize, .depth_frames = 1});
+    Renderer& renderer = *renderer_owner;
     const View view = look({0, 0, 0}, {0, 0, -1}, kCacheTestSize.width);
     const SceneState state = state_at(scene, Time{});
     renderer.draw({.views = {view, view}, .state = state, .masks = {}, .reprojection = {}});

@@ -33,7 +33,9 @@ class ReceivedGBuffer : public OnLavapipe {
 
   /// Another renderer with its own plan, which receives only the planes.
   void expect_same_picture(const Scene& scene, const DrawPlan& sender_plan, const DrawPlan& receiver_plan) {
-    Renderer sender(device_, scene, sender_plan, kLimits), receiver(device_, scene, receiver_plan, kLimits);
+    const auto sender_owner = make_renderer(device_, scene, sender_plan, kLimits);
+    const auto receiver_owner = make_renderer(device_, scene, receiver_plan, kLimits);
+    Renderer &sender = *sender_owner, &receiver = *receiver_owner;
     const SceneState state = state_at(scene, Time{});
     const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
     const Mask mask = traced(scene, views);
@@ -79,7 +81,8 @@ TEST_F(ReceivedGBuffer, ASinglePixelIsThatOfTheWhole) {
       SCOPED_TRACE(name);
       const Scene scene = bundled(name);
       const DrawPlan plan = plan_for(scene, {.reprojects = reprojects, .all_lights = true}).draw;
-      Renderer renderer(device_, scene, plan, kLimits);
+      const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, plan, kLimits);
+      Renderer& renderer = *renderer_owner;
       const SceneState state = state_at(scene, Time{});
       const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
       const Mask mask = traced(scene, views);
@@ -119,7 +122,8 @@ TEST_F(ReceivedGBuffer, ASinglePixelIsThatOfTheWhole) {
 
 TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {
   const Scene scene = bundled("box_over_plane.gltf");
-  Renderer renderer(device_, scene, kLimits);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, kLimits);
+  Renderer& renderer = *renderer_owner;
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
   const Mask mask = traced(scene, views);
@@ -143,7 +147,8 @@ TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {
 /// Neither the sender nor the receiver allocates buffers before the first use.
 TEST_F(ReceivedGBuffer, TakesNoMemoryBeforeItIsUsed) {
   const Scene scene = bundled("box_over_plane.gltf");
-  Renderer renderer(device_, scene, kLimits);
+  const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, kLimits);
+  Renderer& renderer = *renderer_owner;
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
   renderer.draw(shown(views, state, {}));

@@ -111,7 +111,9 @@ TEST_F(ReprojectionToRequest, WithoutABaseAsksForAllLightsWhereASurfaceIs) {
   RequestReprojection reprojected;
   const FrameMoment request{.frame = kNow, .display_time = {}, .scene_time = {}, .views = views};
   const Scene scene = bundled("box_over_plane.gltf");
-  Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
+  const std::unique_ptr<Renderer> renderer_owner =
+      make_renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
+  Renderer& renderer = *renderer_owner;
   ASSERT_TRUE(renderer.reproject_to_request(request, 0, nullptr, reprojected));
   std::size_t surfaces = 0, blocks = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {

@@ -27,7 +27,8 @@ class SceneMemory : public OnLavapipe {
  protected:
   SceneDrawn drawn(const Scene& scene) {
     const std::uint64_t before = device_.ledger->read().allocations;
-    Renderer renderer(device_, scene, kOneFrame);
+    const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, kOneFrame);
+    Renderer& renderer = *renderer_owner;
     const View view = look({0, 0, 0}, {0, 0, -1}, kDrawnSize.width);
     const SceneState state = state_at(scene, Time{});
     renderer.draw({.views = {view, view}, .state = state, .masks = {}, .reprojection = {}});
@@ -201,7 +202,7 @@ TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
   const Scene scene = wall_of(4, Meshes::One);
   device_.max_allocations = device_.ledger->read().allocations + 3;
   try {
-    Renderer renderer(device_, scene, kOneFrame);
+    static_cast<void>(make_renderer(device_, scene, kOneFrame));
     FAIL() << "a fourth allocation was made";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("allows 3 allocations"), std::string::npos) << error.what();

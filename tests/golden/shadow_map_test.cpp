@@ -30,16 +30,17 @@ class ShadowMapRig {
   ShadowMapRig(const gpu::Device& device, Scene scene)
       : scene_(std::move(scene)),
         tracer_(Tracer::create_reference(scene_).value()),
-        renderer_(device, scene_, plan_for(scene_, {.reprojects = false, .all_lights = true}).draw,
-                  {kSize, kSize, 1}) {}
+        renderer_(make_renderer(device, scene_,
+                                plan_for(scene_, {.reprojects = false, .all_lights = true}).draw,
+                                {kSize, kSize, 1})) {}
 
   DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& settings) {
-    return renderer_.draw({.views = eyes_of(head, kSide_px),
-                           .state = state_,
-                           .masks = {},
-                           .reprojection = {},
-                           .report = PixelReport::On,
-                           .shadow_maps = &settings});
+    return renderer_->draw({.views = eyes_of(head, kSide_px),
+                            .state = state_,
+                            .masks = {},
+                            .reprojection = {},
+                            .report = PixelReport::On,
+                            .shadow_maps = &settings});
   }
 
   void show_traced(const Rigid<Stage, Head>& head) {
@@ -53,7 +54,7 @@ class ShadowMapRig {
                                          .views = views,
                                          .masks = bits,
                                          .received_tiles = known}};
-    renderer_.draw(
+    renderer_->draw(
         {.views = views, .state = state_, .masks = masks, .reprojection = {}, .report = PixelReport::On});
   }
 
@@ -62,7 +63,7 @@ class ShadowMapRig {
     const PerEye<EyeMask> truth = traced(eyes_of(head, kSide_px));
     Wrong worst;
     for (const Side side : kSides) {
-      const Wrong eye = wrong(renderer_.report(side), truth[index_of(side)]);
+      const Wrong eye = wrong(renderer_->report(side), truth[index_of(side)]);
       worst.mask_error = std::max(worst.mask_error, eye.mask_error);
       worst.dark = std::max(worst.dark, eye.dark);
       worst.lit = std::max(worst.lit, eye.lit);
@@ -77,7 +78,7 @@ class ShadowMapRig {
   }
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  [[nodiscard]] const Renderer& renderer() const { return renderer_; }
+  [[nodiscard]] const Renderer& renderer() const { return *renderer_; }
   void set(Time scene_time, const LightChanges& changes = {}) {
     state_ = state_at(scene_, scene_time, changes);
   }
@@ -117,7 +118,7 @@ class ShadowMapRig {
   Scene scene_;
   SceneState state_ = state_at(scene_, Time{});
   Tracer tracer_;
-  Renderer renderer_;
+  std::unique_ptr<Renderer> renderer_;
   std::uint32_t frames_ = 0;
 };
 

@@ -31,8 +31,7 @@ TEST_F(SmoothReference, IsALargerPictureOfTheSameViewsAveraged) {
   const SceneState state = state_at(scene, Time{});
   Reference reference(Tracer::create_reference(scene).value());
   const auto renderer_of = [&](std::uint32_t side_px) {
-    return std::make_unique<Renderer>(device_, scene,
-                                      RendererLimits{{side_px, side_px}, {side_px, side_px}, 1});
+    return make_renderer(device_, scene, RendererLimits{{side_px, side_px}, {side_px, side_px}, 1});
   };
   const auto request_of = [&](std::uint32_t side_px) {
     FrameMoment request;

@@ -185,7 +185,7 @@ TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
       side_px_(side_px),
       depth_frames_(depth_frames),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
-      renderer_(std::make_unique<Renderer>(
+      renderer_(make_renderer(
           device, scene_, plan_for(scene_, {.all_lights = true, .detail_px = detail_px}).draw,
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
 }

@@ -90,13 +90,14 @@ int wrong_pixels(const Image<Rgb8>& shown_picture, const Image<Rgb8>& picture, c
 class Timewarp : public OnLavapipe {
  protected:
   Pictures turned(const Pictures& picture, const StereoView& from, const StereoView& shown) {
-    renderer_.show_timewarped(picture, from, shown);
-    return renderer_.read_shown();
+    renderer_->show_timewarped(picture, from, shown);
+    return renderer_->read_shown();
   }
 
   Scene scene_ = bundled("box_over_plane.gltf");
   static constexpr Extent kLargest{kTurnedSize.width + 32, kTurnedSize.height + 16};
-  Renderer renderer_{device_, scene_, {.size = kTurnedSize, .traced_size = kLargest, .depth_frames = 1}};
+  std::unique_ptr<Renderer> renderer_ =
+      make_renderer(device_, scene_, {.size = kTurnedSize, .traced_size = kLargest, .depth_frames = 1});
 };
 
 TEST_F(Timewarp, WithoutATurnThePictureIsTheSameBitForBit) {
@@ -206,13 +207,13 @@ TEST_F(Timewarp, WhatIsShownIsTurnedAsIfItHadBeenReadAndLoaded) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) from_sized[eye].size = shown_sized[eye].size = kTurnedSize;
   const SceneState state = state_at(scene_, Time{});
   const auto drawn = [&] {
-    renderer_.draw({.views = from_sized, .state = state, .masks = {}, .reprojection = {}});
-    return renderer_.read_shown();
+    renderer_->draw({.views = from_sized, .state = state, .masks = {}, .reprojection = {}});
+    return renderer_->read_shown();
   };
   const Pictures loaded = turned(drawn(), from_sized, shown_sized);
   drawn();
-  const DrawTimes times = renderer_.timewarp_shown(from_sized, shown_sized);
-  EXPECT_TRUE(renderer_.read_shown() == loaded);
+  const DrawTimes times = renderer_->timewarp_shown(from_sized, shown_sized);
+  EXPECT_TRUE(renderer_->read_shown() == loaded);
   EXPECT_GT(times.timewarp, Duration{});
   EXPECT_GE(times.total, times.timewarp);
 }
@@ -220,10 +221,10 @@ TEST_F(Timewarp, WhatIsShownIsTurnedAsIfItHadBeenReadAndLoaded) {
 TEST_F(Timewarp, CostsNothingUntilAPictureIsTurned) {
   const SceneState state = state_at(scene_, Time{});
   const StereoView views = views_of({}, square_fov(0.7));
-  renderer_.draw({.views = views, .state = state, .masks = {}, .reprojection = {}});
-  const DrawCounters before = renderer_.counters();
-  renderer_.timewarp_shown(views, views);
-  const DrawCounters after = renderer_.counters();
+  renderer_->draw({.views = views, .state = state, .masks = {}, .reprojection = {}});
+  const DrawCounters before = renderer_->counters();
+  renderer_->timewarp_shown(views, views);
+  const DrawCounters after = renderer_->counters();
   EXPECT_EQ(after.pipelines, before.pipelines + 1);
   EXPECT_EQ(after.bindings, before.bindings + 3);
   EXPECT_GE(after.memory.now[gpu::Use::Shown],
@@ -253,8 +254,8 @@ class Difference : public OnLavapipe {
     return {.views = views, .state = state_, .masks = masks, .reprojection = {.lookup = Lookup::Direct}};
   }
   Pictures drawn(const StereoView& views, std::span<const TracedMask> masks = {}) {
-    renderer_.draw(frame_of(views, masks));
-    return renderer_.read_shown();
+    renderer_->draw(frame_of(views, masks));
+    return renderer_->read_shown();
   }
   Pictures reference(const StereoView& views) {
     const Mask truth = rig_.trace(FrameId{1}, views);
@@ -263,7 +264,8 @@ class Difference : public OnLavapipe {
 
   TestRig rig_{device_, bundled("room.glb"), kSide_px};
   SceneState state_ = state_at(rig_.scene(), Time{});
-  Renderer renderer_{device_, rig_.scene(), {{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1}};
+  std::unique_ptr<Renderer> renderer_ =
+      make_renderer(device_, rig_.scene(), {{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1});
   StereoView views_ = rig_.eyes(rig_.head());
 };
 
@@ -273,8 +275,8 @@ TEST_F(Difference, BringsTheShadowsBack) {
   EXPECT_LT(psnr_db(with[0], without[0]), 30.0) << "there are shadows";
   const Mask mask = rig_.trace(FrameId{2}, views_);
   const std::vector masks{mask.traced_mask()};
-  renderer_.draw_with_difference(frame_of(views_, masks), difference, views_);
-  const Pictures result = renderer_.read_shown();
+  renderer_->draw_with_difference(frame_of(views_, masks), difference, views_);
+  const Pictures result = renderer_->read_shown();
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::size_t i = 0; i < result[eye].pixels.size(); ++i)
       for (int channel = 0; channel < 3; ++channel)
@@ -286,8 +288,8 @@ TEST_F(Difference, IsTurnedToTheViewsShown) {
   const Pictures with = reference(views_), without = drawn(views_);
   const Pictures difference{difference_of(with[0], without[0]), difference_of(with[1], without[1])};
   const Pictures truth = reference(turned), bare = drawn(turned);
-  renderer_.draw_with_difference(frame_of(turned), difference, views_);
-  const Pictures result = renderer_.read_shown();
+  renderer_->draw_with_difference(frame_of(turned), difference, views_);
+  const Pictures result = renderer_->read_shown();
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     EXPECT_GT(psnr_db(result[eye], truth[eye]), psnr_db(bare[eye], truth[eye]) + 3.0);
 }
@@ -295,8 +297,8 @@ TEST_F(Difference, IsTurnedToTheViewsShown) {
 TEST_F(Difference, LeavesWhatItDoesNotCoverWithoutShadows) {
   const StereoView behind = rig_.eyes(moved(rig_.head(), 2 * kQuarterTurn_rad, {}));
   const Pictures bare = drawn(behind);
-  renderer_.draw_with_difference(frame_of(behind), noise({kSide_px, kSide_px}, 3), views_);
-  EXPECT_TRUE(renderer_.read_shown() == bare);
+  renderer_->draw_with_difference(frame_of(behind), noise({kSide_px, kSide_px}, 3), views_);
+  EXPECT_TRUE(renderer_->read_shown() == bare);
 }
 
 }  // namespace

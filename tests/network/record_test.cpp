@@ -147,7 +147,9 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
     steer(frame, settings);
     if (frame == 44) server.start();
   });
-  Renderer renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
+  const std::unique_ptr<Renderer> renderer_owner =
+      make_renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
+  Renderer& renderer = *renderer_owner;
   const RunContext context{.scene = setup().scene,
                            .runtime = stage,
                            .renderer = renderer,
@@ -166,7 +168,9 @@ Expected<ReplayVerdict> replayed(CaptureReader reader) {
   Replay replay(std::move(reader), PixelReport::On);
   std::optional<Reference> tracer;
   if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(setup().scene).value());
-  Renderer renderer(setup().device, setup().scene, header.limits);
+  const std::unique_ptr<Renderer> renderer_owner =
+      make_renderer(setup().device, setup().scene, header.limits);
+  Renderer& renderer = *renderer_owner;
   const RunContext context{.scene = setup().scene,
                            .runtime = replay,
                            .renderer = renderer,
@@ -319,7 +323,9 @@ TEST(CapturedRunWithoutServer, ShowsTheSameAgain) {
     ASSERT_TRUE(recorder.open(file, header_of(origin, policy)).has_value());
     FrameSettings settings;
     Stage stage(policy.pace, clock, nullptr, [&](std::uint32_t frame) { steer(frame, settings); });
-    Renderer renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
+    const std::unique_ptr<Renderer> renderer_owner =
+        make_renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
+    Renderer& renderer = *renderer_owner;
     std::optional<Reference> tracer;
     if (origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(setup().scene).value());
     const RunContext context{.scene = setup().scene,

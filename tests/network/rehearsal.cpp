@@ -188,7 +188,7 @@ namespace {
 std::unique_ptr<Renderer> renderer_for(const Play& play, std::uint32_t in_flight) {
   const float detail_px =
       play.levels == nullptr ? 0 : play.detail_px.value_or(default_detail_px(play.mode.mode));
-  return std::make_unique<Renderer>(
+  return make_renderer(
       play.device, play.scene, plan_for(play.scene, {.all_lights = true, .detail_px = detail_px}).draw,
       RendererLimits{.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight},
       detail_px > 0 ? *play.levels : SceneLevels{});

@@ -23,10 +23,10 @@ constexpr std::size_t kRemembered = 32;
 /// Draws the depth of requested views and finds what to ask for.
 struct Drawing {
   explicit Drawing(const Play& play)
-      : renderer(play.device, play.scene, plan_for(play.scene, {.all_lights = true}).draw,
-                 RendererLimits{.size = play.size,
-                                .traced_size = largest_traced(play.size),
-                                .depth_frames = narrow<std::uint32_t>(kRemembered)}) {}
+      : renderer(make_renderer(play.device, play.scene, plan_for(play.scene, {.all_lights = true}).draw,
+                               RendererLimits{.size = play.size,
+                                              .traced_size = largest_traced(play.size),
+                                              .depth_frames = narrow<std::uint32_t>(kRemembered)})) {}
 
   /// Sets what `request` asks for.
   void prepare(FrameRequest& request, const FrameReceiver& receiver, Time now) {
@@ -35,11 +35,11 @@ struct Drawing {
       if (base == nullptr && receiver.is_settled(*record)) base = record;
     const std::size_t slot = receiver.next_slot();
     partial_request.prepare(request, slot, base);
-    if (!partial_request.drawn()) renderer.keep_depth(request, slot, distances);
+    if (!partial_request.drawn()) renderer->keep_depth(request, slot, distances);
   }
 
-  Renderer renderer;
-  PartialRequest partial_request{renderer};
+  std::unique_ptr<Renderer> renderer;
+  PartialRequest partial_request{*renderer};
   PerEye<Image<float>> distances;
 };
 
