@@ -16,12 +16,9 @@
 #include "vr_client/compile_ahead.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/placed_head.h"
-#include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/report/own_files.h"
-#include "vr_client/report/run_report.h"
-#include "vr_client/report/silence.h"
-#include "vr_client/report/timeline.h"
+#include "vr_client/run_outputs.h"
 #include "vr_client/runtime/headset.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 #include "vr_client/summarize.h"
@@ -60,28 +57,11 @@ std::string in_words(const gpu::BytesByUse& memory) {
   return text;
 }
 
-RunReportOptions report_options(const Options& options, std::uint32_t frames, Compare compare) {
-  return {.out = options.out,
-          .frame_count = frames,
-          .reference_every = options.reference_every,
-          .pictures = options.pictures,
-          .dump = options.dump,
-          .compare = compare};
-}
-
-MaskPolicy policy_of(const Options& options, const Client& client) {
-  return {.pace = options.pace, .delay = duration_from_ms(options.delay_ms), .round_trip = client.round_trip};
-}
-
 /// A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
 /// requests are rare, the server could end the session while a frame compiles. A display does not wait.
 bool compiles_ahead(const Options& options, std::uint32_t frames) {
   const bool waits = frames > options.refresh_hz || options.request.every > 1 || options.pace == Pace::Real;
   return waits && draws_scene(options.mode.mode);
-}
-
-PixelReport report_for(const RunReportOptions& options) {
-  return options.measures_any() ? PixelReport::On : PixelReport::Off;
 }
 
 /// Prints to standard error how many frames of a run are done. On a terminal one line is overwritten with
@@ -113,55 +93,30 @@ class Progress {
   Stopwatch watch_;
 };
 
-/// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
-/// anything else is drawn.
-Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
-                    RunReport& report, Silence& silence, StopSignal& stop, Stages& stages,
+/// Runs the frame loop until its end or a stop signal. `first` gets each frame before anything else is drawn.
+Expected<void> show(const RunContext& context, std::uint32_t frames, RunOutputs& outputs, StopSignal& stop,
                     const FrameWatcher& first) {
-  // Empty files are written first, so that a path that cannot be written fails early.
-  Timeline timeline;
-  if (auto done = timeline.write(options.timeline); !done) return done;
-  if (!options.json.empty() && options.json != "-")
-    if (auto done = write_file_atomically(options.json, "{}\n"); !done) return done;
-  // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
-  const FrameReceiver* const receiver =
-      context.link && options.replay.empty() ? &context.link->receiver() : nullptr;
+  if (auto done = outputs.begin(); !done) return done;
   Progress progress(frames);
-  const SteadyClock clock;
   const auto watch = [&](const FrameView& view) {
-    if (view.shown.frame.value == 1) {
-      stages.end("first frame");
-      spdlog::info("the first frame was drawn after {}", stages.in_words());
-    }
     first(view);
-    report.watch(view);
-    if (!options.timeline.empty()) timeline.add(view, receiver);
-    const auto why = context.link ? context.link->goodbye() : std::nullopt;
-    if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now(), why)) {
+    if (const auto news = outputs.watch(view)) {
       progress.end();
       spdlog::warn(*news);
     }
-    progress.show(view.shown.frame.value, silence);
+    progress.show(view.shown.frame.value, outputs.silence());
   };
-  const auto ends = [&] { return stop.has_come(); };
-  if (auto done = run(context, *make_pipeline(context), watch, ends); !done) return done;
+  const Expected<void> done =
+      run(context, *make_pipeline(context), watch, [&stop] { return stop.has_come(); });
   progress.end();
-  if (stop.has_come()) {
-    fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
-    report.mark_interrupted();
-  }
-
-  for (const std::uint32_t dump : options.dump)
-    if (dump == 0 || dump > report.log().records().size())
-      spdlog::warn("frame {} was not dumped, because it was not shown", dump);
-  report.finish();
-  return timeline.write(options.timeline);
+  if (done && stop.has_come()) fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
+  return done;
 }
 
-tl::unexpected<Error> interrupted(const Options& options, const FrameLog& log, std::uint32_t frames) {
+tl::unexpected<Error> interrupted(const Options& options, const RunOutputs& outputs, std::uint32_t frames) {
   return fail(Fault::Interrupted,
-              fmt::format("interrupted after {} of {} frames; {} has the reports of these",
-                          log.records().size(), frames, options.out.string()));
+              fmt::format("interrupted after {} of {} frames; {} has the reports of these", outputs.frames(),
+                          frames, options.out.string()));
 }
 
 /// Mismatch if the capture was made with another scene or plan.
@@ -222,8 +177,7 @@ Expected<void> print_plan(const Options& options) {
 }
 
 Expected<void> run_replay(const Options& options, StopSignal& stop) {
-  const SteadyClock clock;
-  Stages stages(clock);
+  Stages stages(kSteadyClock);
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
@@ -244,34 +198,28 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
   if (auto done = tracing.get(); !done) return done;
   stages.end("tracers");
 
-  const RunReportOptions measuring = report_options(options, *frames, Compare::AtOnce);
-  RunReport report(measuring, *client.renderer, client.reference.get());
-  Replay replay(std::move(*reader), report_for(measuring));
-  const RunContext context{.scene = client.scene,
-                           .runtime = replay,
-                           .renderer = *client.renderer,
-                           .mode = {.mode = mode},
-                           .link = replay.link(),
-                           .own_tracer = client.own_tracer.get(),
-                           .settings = replay.settings(),
-                           .exposure = header.exposure,
-                           .policy = header.policy};
-  Silence no_server({});
+  RunOutputs outputs(options, client, stages, report_options(options, *frames, Compare::AtOnce));
+  Replay replay(std::move(*reader), report_of(options));
+  client.exposure = header.exposure;
+  RunContext context = context_of(options, client, replay, replay.settings());
+  context.policy = header.policy;
+  context.mode = {.mode = mode};
+  context.link = replay.link();
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(options, context, *frames, report, no_server, stop, stages, compare); !done)
-    return done;
+  if (auto done = show(context, *frames, outputs, stop, compare); !done) return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
-  if (!verdict) return tl::unexpected(verdict.error());
-  if (auto done = summarize(options, client,
-                            FinishedReplay{.log = report.log(),
-                                           .header = header,
-                                           .mode = mode,
-                                           .verdict = to_string(*verdict),
-                                           .interrupted = stop.has_come()});
-      !done)
-    return done;
+  const auto conclude = [&]() -> Expected<void> {
+    if (!verdict) return tl::unexpected(verdict.error());
+    return summarize(options, client,
+                     FinishedReplay{.log = *outputs.log(),
+                                    .header = header,
+                                    .mode = mode,
+                                    .verdict = to_string(*verdict),
+                                    .interrupted = stop.has_come()});
+  };
+  if (auto done = outputs.finish(stop.has_come(), conclude); !done) return done;
   if (auto done = no_validation_messages(client.device); !done) return done;
-  if (stop.has_come()) return interrupted(options, report.log(), *frames);
+  if (stop.has_come()) return interrupted(options, outputs, *frames);
   if (!verdict->first && verdict->cut_off) return fail(Fault::Malformed, *verdict->cut_off);
   if (!verdict->first) return {};
   const bool elsewhere = client.device.name != header.device;
@@ -284,7 +232,7 @@ namespace {
 struct OpenedRun {
   std::unique_ptr<Client> client;
   PlacedHead head;
-  RunReportOptions measuring;
+  std::uint32_t frames = 0;  ///< to be shown
   FrameSettings settings;
 };
 
@@ -302,10 +250,8 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, client);
   open_renderer(client, renderer_limits(options));
   stages.end("renderer");
-  const RunReportOptions measuring =
-      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce);
   const FrameSettings settings{
-      .request = options.request, .reprojection = options.reprojection, .report = report_for(measuring)};
+      .request = options.request, .reprojection = options.reprojection, .report = report_of(options)};
   if (compiles_ahead(options, frames))
     compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
   stages.end("pipelines");
@@ -314,69 +260,49 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   Expected<PlacedHead> head = placing.get();
   if (!head) return tl::unexpected(head.error());
   stages.end("head");
-  return OpenedRun{std::move(*opened), std::move(*head), measuring, settings};
+  return OpenedRun{std::move(*opened), std::move(*head), frames, settings};
 }
 
 }  // namespace
 
 Expected<void> run_client(const Options& options, StopSignal& stop) {
-  const SteadyClock clock;
-  Stages stages(clock);
+  Stages stages(kSteadyClock);
   if (auto done = CaptureWriter::may_create(options.record); !done) return done;
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
   Expected<OpenedRun> opened = open_run(options, stages);
   if (!opened) return tl::unexpected(opened.error());
-  auto& [owner, head, measuring, settings] = *opened;
+  auto& [owner, head, frames, settings] = *opened;
   Client& client = *owner;
-  const bool captures = !options.record.empty();
-  CaptureWriter capture(client.clock);
   RecordedHeadRuntime runtime(head.recording, playback_of(options, head.stage_from_recorded));
-  RunReport report(measuring, *client.renderer, client.reference.get());
-  if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
-    return done;
+  RunOutputs outputs(
+      options, client, stages,
+      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce));
+  if (auto done = open_link(options, client, outputs.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
-  const MaskPolicy policy = policy_of(options, client);
   if (head.exposure) client.exposure = head.exposure;
-  const Exposure exposure = settle_exposure(options, client);
-  if (captures)
-    if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
+  const RunContext context = context_of(options, client, runtime, settings);
+  if (auto done = outputs.open_capture(options); !done) return done;
   stages.end("server");
 
-  const RunContext context{.scene = client.scene,
-                           .runtime = runtime,
-                           .renderer = *client.renderer,
-                           .mode = options.mode,
-                           .link = client.link.get(),
-                           .own_tracer = client.own_tracer.get(),
-                           .settings = settings,
-                           .exposure = exposure,
-                           .policy = policy};
   if (options.pace == Pace::Real)
     draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));
-  Silence silence(to_string(client.server), client.link && client.link->counters().sessions == 0);
-  const auto append_frame = [&](const FrameView& view) {
-    if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
+  if (auto done = show(context, frames, outputs, stop, [](const FrameView&) {}); !done) return done;
+  const auto conclude = [&] {
+    return summarize(options, client,
+                     FinishedRun{.log = *outputs.log(),
+                                 .silence = outputs.silence(),
+                                 .missed = runtime.skipped(),
+                                 .interrupted = stop.has_come(),
+                                 .head_test = head.test});
   };
-  if (auto done = show(options, context, measuring.frame_count, report, silence, stop, stages, append_frame);
-      !done)
-    return done;
-  if (auto done = summarize(options, client,
-                            FinishedRun{.log = report.log(),
-                                        .silence = silence,
-                                        .missed = runtime.skipped(),
-                                        .interrupted = stop.has_come(),
-                                        .head_test = head.test});
-      !done)
-    return done;
-  if (report.failed()) return tl::unexpected(*report.failed());
-  if (auto ended = capture.finish(); !ended) return ended;
-  if (captures)
-    fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", capture.frames(),
-               megabytes(capture.bytes()), options.record.string());
+  if (auto done = outputs.finish(stop.has_come(), conclude); !done) return done;
+  if (outputs.captures())
+    fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", outputs.capture().frames(),
+               megabytes(outputs.capture().bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
-  if (stop.has_come()) return interrupted(options, report.log(), measuring.frame_count);
-  return check_answered(client, report.log());
+  if (stop.has_come()) return interrupted(options, outputs, frames);
+  return check_answered(client, *outputs.log());
 }
 
 }  // namespace farshade

@@ -298,7 +298,29 @@ Exposure settle_exposure(const Options& options, Client& client) {
   return *client.exposure;
 }
 
-CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
+namespace {
+
+MaskPolicy policy_of(const Options& options, const Client& client) {
+  return {.pace = options.pace, .delay = duration_from_ms(options.delay_ms), .round_trip = client.round_trip};
+}
+
+}  // namespace
+
+RunContext context_of(const Options& options, Client& client, Runtime& runtime,
+                      const FrameSettings& settings) {
+  return {.scene = client.scene,
+          .runtime = runtime,
+          .renderer = *client.renderer,
+          .mode = options.mode,
+          .link = client.link.get(),
+          .own_tracer = client.own_tracer.get(),
+          .settings = settings,
+          .exposure = settle_exposure(options, client),
+          .policy = policy_of(options, client),
+          .clock = client.clock};
+}
+
+CaptureHeader header_of(const Options& options, const Client& client) {
   const bool traces = options.mode.mode == Mode::Full && client.plan.server;
   return {.scene = options.scene.filename().string(),
           .scene_hash = client.scene.hash,
@@ -311,7 +333,7 @@ CaptureHeader header_of(const Options& options, const Client& client, const Mask
           .requests = frames_in_flight(options),
           .refresh_hz = options.refresh_hz,
           .exposure = client.exposure.value_or(Exposure{}),
-          .policy = policy,
+          .policy = policy_of(options, client),
           .device = client.device.name};
 }
 

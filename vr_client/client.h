@@ -106,11 +106,15 @@ class SessionKeeper {
   std::optional<Time> kept_alive_;  ///< on the machine's clock
 };
 
-/// The header of a capture of this client.
 /// Takes the exposure of the server. Without one, keeps an earlier one, or chooses it. Returns it.
 Exposure settle_exposure(const Options& options, Client& client);
 
-[[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
+/// A run of this client in the mode of `options`, with its link. Settles the exposure. Keeps the references.
+[[nodiscard]] RunContext context_of(const Options& options, Client& client, Runtime& runtime,
+                                    const FrameSettings& settings);
+
+/// The header of a capture of this client.
+[[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client);
 
 /// Malformed, with the first message, if the validation layers reported anything.
 [[nodiscard]] Expected<void> no_validation_messages(const gpu::Device& device);

@@ -13,11 +13,8 @@
 #include "vr_client/placed_head.h"
 #include "vr_client/preview/headset_controls.h"
 #include "vr_client/preview/recordings.h"
-#include "vr_client/record/capture_writer.h"
 #include "vr_client/report/own_files.h"
-#include "vr_client/report/run_report.h"
-#include "vr_client/report/silence.h"
-#include "vr_client/report/timeline.h"
+#include "vr_client/run_outputs.h"
 #include "vr_client/summarize.h"
 
 namespace farshade {
@@ -31,65 +28,42 @@ constexpr double kEyes_m = 0.08;
 class HeadsetReport {
  public:
   HeadsetReport(const Options& options, Client& client, Stages& stages)
-      : options_(options), client_(client), stages_(stages), capture_(client.clock) {
-    if (!options.frames) return;
-    report_.emplace(RunReportOptions{.out = options.out,
-                                     .frame_count = *options.frames,
-                                     .reference_every = options.reference_every,
-                                     .pictures = options.pictures,
-                                     .dump = options.dump,
-                                     .compare = Compare::AfterTheRun},
-                    *client.renderer, client.reference.get());
-  }
+      : options_(options), client_(client), outputs_(options, client, stages, measuring_of(options)) {}
 
-  [[nodiscard]] LinkListener listener() { return captures() ? capture_.listener() : LinkListener{}; }
-  [[nodiscard]] Expected<void> open(const MaskPolicy& policy) {
-    silence_.emplace(to_string(client_.server), client_.link && client_.link->counters().sessions == 0);
-    policy_ = policy;
-    return timeline_.write(options_.timeline);
-  }
+  [[nodiscard]] LinkListener listener() { return outputs_.listener(); }
+  [[nodiscard]] Expected<void> begin() { return outputs_.begin(); }
 
-  /// `refresh_hz`: of the display.
+  /// `refresh_hz`: of the display. The capture begins with the first frame, because its header states it.
   void watch(const FrameView& view, double refresh_hz) {
     refresh_hz_ = refresh_hz;
-    if (frames_++ == 0) {
-      if (captures()) opened_ = capture_.open(options_.record, header_of(at_display(), client_, policy_));
-      stages_.end("first frame");
-      spdlog::info("the first frame was shown after {}", stages_.in_words());
-    }
-    if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
-    if (report_) report_->watch(view), views_.push_back(view.shown.views);
+    if (frames() == 0) opened_ = outputs_.open_capture(at_display());
+    if (options_.frames) views_.push_back(view.shown.views);
     if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
-    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
-    const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
-    if (const auto news = silence_->add(view.shown.frame, view.silent_since, kSteadyClock.now(), why))
-      spdlog::warn(*news);
+    if (const auto news = outputs_.watch(view)) spdlog::warn(*news);
   }
-  [[nodiscard]] std::uint32_t frames() const { return frames_; }
+  [[nodiscard]] std::uint32_t frames() const { return outputs_.frames(); }
   [[nodiscard]] bool failed() const { return !opened_; }
   /// Whether it showed as many frames as --frames says.
-  [[nodiscard]] bool is_complete() const { return !options_.frames || frames_ >= *options_.frames; }
+  [[nodiscard]] bool is_complete() const { return !options_.frames || frames() >= *options_.frames; }
 
   /// Writes everything, also after a run that failed. Returns the first failure.
   [[nodiscard]] Expected<void> finish(const HeadsetSystem& system) {
-    Expected<void> done = capture_.finish();
-    if (!opened_) done = opened_;
+    Expected<void> done = opened_;
     if (!options_.record_head.empty())
       if (auto written = head_.write(options_.record_head); done) done = written;
-    if (auto written = timeline_.write(options_.timeline); done) done = written;
-    if (!report_) return done;
-    if (!is_complete()) report_->mark_interrupted();
-    report_->finish();
-    if (done && frames_ > 0) done = summarize_frames(system);
-    if (done && report_->failed()) done = tl::unexpected(*report_->failed());
+    const auto conclude = [&] { return frames() > 0 ? summarize_frames(system) : Expected<void>{}; };
+    if (auto written = outputs_.finish(!is_complete(), conclude); done) done = written;
     return done;
   }
   [[nodiscard]] Expected<void> answered() const {
-    return report_ && frames_ > 0 ? check_answered(client_, report_->log()) : Expected<void>{};
+    return outputs_.log() && frames() > 0 ? check_answered(client_, *outputs_.log()) : Expected<void>{};
   }
 
  private:
-  [[nodiscard]] bool captures() const { return !options_.record.empty(); }
+  static std::optional<RunReportOptions> measuring_of(const Options& options) {
+    if (!options.frames) return std::nullopt;
+    return report_options(options, *options.frames, Compare::AfterTheRun);
+  }
   /// The options with the refresh rate of the display.
   [[nodiscard]] Options at_display() const {
     Options options = options_;
@@ -97,8 +71,10 @@ class HeadsetReport {
     return options;
   }
   [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system) const {
-    FinishedRun run{
-        .log = report_->log(), .silence = *silence_, .interrupted = !is_complete(), .head = system.name()};
+    FinishedRun run{.log = *outputs_.log(),
+                    .silence = outputs_.silence(),
+                    .interrupted = !is_complete(),
+                    .head = system.name()};
     if (const auto surroundings = Surroundings::create(client_.scene))
       run.head_test = test_views(*surroundings, views_);
     return summarize(at_display(), client_, run);
@@ -106,23 +82,12 @@ class HeadsetReport {
 
   const Options& options_;
   Client& client_;
-  Stages& stages_;
-  CaptureWriter capture_;
+  RunOutputs outputs_;
   HeadRecordingWriter head_;
-  Timeline timeline_;
-  std::optional<RunReport> report_;
-  std::vector<StereoView> views_;  ///< of the frames in `report_`
-  std::optional<Silence> silence_;
-  std::uint32_t frames_ = 0;
-  MaskPolicy policy_;
-  double refresh_hz_ = 90;   ///< at the last frame
-  Expected<void> opened_{};  ///< the capture, at the first frame: its header states the refresh rate
+  std::vector<StereoView> views_;  ///< of the frames that the figures are about
+  double refresh_hz_ = 90;         ///< at the last frame
+  Expected<void> opened_{};        ///< the capture
 };
-
-/// Whether the run measures frames, for which every frame reports.
-PixelReport report_of(const Options& options) {
-  return options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off;
-}
 
 /// Whether what the lenses hide is left out. A capture and the comparison with references are about all
 /// pixels.
@@ -134,6 +99,7 @@ bool hides(const Options& options) {
 Options options_for(const Options& given, const HeadsetSystem& system, const Window* window) {
   Options options = given;
   options.pace = Pace::Real;
+  options.delay_ms = 0;  // for the virtual clock
   // A display that does not wait has no time for comparisons, unless the user asks for them.
   if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
   if (!options.frames && (!options.json.empty() || !options.dump.empty()))
@@ -159,10 +125,6 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   return client;
 }
 
-MaskPolicy live_policy(const Client& client) {
-  return {.pace = Pace::Real, .round_trip = client.round_trip};
-}
-
 /// Runs the frame loop. A device that is lost or has no memory is an error like any other, so that what the
 /// frames so far have left is written.
 Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
@@ -179,17 +141,9 @@ Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
 
 /// The frames of a session, from the first to its end.
 Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime,
-                    const FrameSettings& settings, const FrameWatcher& watch, const MaskPolicy& policy,
+                    const FrameSettings& settings, const FrameWatcher& watch,
                     const std::function<bool()>& stop) {
-  const RunContext context{.scene = client.scene,
-                           .runtime = runtime,
-                           .renderer = *client.renderer,
-                           .mode = options.mode,
-                           .link = client.link.get(),
-                           .own_tracer = client.own_tracer.get(),
-                           .settings = settings,
-                           .exposure = settle_exposure(options, client),
-                           .policy = policy};
+  const RunContext context = context_of(options, client, runtime, settings);
   const Expected<void> shown = run_frames(context, watch, stop);
   const Expected<void> ended = runtime.finish();
   const HeadsetRuntime::Counters& counters = runtime.counters();
@@ -218,8 +172,7 @@ Expected<void> outcome(const Options& options, const Client& client, const Heads
 Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSignal& stop) {
   std::unique_ptr<Window> window = open_mirror_window();
   const Options options = options_for(given, system, window.get());
-  const SteadyClock clock;
-  Stages stages(clock);
+  Stages stages(kSteadyClock);
   spdlog::info("the headset is {}: {}x{} pixels an eye", system.name(), options.size.width,
                options.size.height);
   if (auto done = CaptureWriter::may_create(options.record); !done) return done;
@@ -261,8 +214,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
-  const MaskPolicy policy = live_policy(client);
-  if (auto done = report.open(policy); !done) return done;
+  if (auto done = report.begin(); !done) return done;
   stages.end("server");
 
   const auto watch = [&](const FrameView& view) {
@@ -270,7 +222,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
     report.watch(view, (*runtime)->refresh_hz());
     mirror.watch(view);
   };
-  Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);
+  Expected<void> done = show(options, client, **runtime, controls.settings, watch, wants_to_end);
   if (auto written = report.finish(system); done) done = written;
   if (auto written = mirror.finish(); done) done = written;
   return done ? outcome(options, client, report, stop.has_come(), mirror.wants_to_end()) : done;

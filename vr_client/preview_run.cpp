@@ -104,7 +104,7 @@ class Preview {
     Expected<void> done = open_link(options_, client_, captures ? recordings_.listen() : LinkListener{});
     if (!done) return done;
     settle_exposure(options_, client_);
-    if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_, policy()));
+    if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_));
     if (captures && !recordings_.writes_capture()) return {};  // finish() returns the error
     do {
       if (restart_ != Restart::No) done = restart();
@@ -115,7 +115,7 @@ class Preview {
   }
 
   [[nodiscard]] Expected<void> run_once(const std::function<bool()>& stop) {
-    const RunContext context = run_context();
+    const RunContext context = context_of(options_, client_, runtime_, controls_.settings);
     return run(
         context, *make_pipeline(context), [this](const FrameView& view) { watch(view); }, stop);
   }
@@ -132,20 +132,6 @@ class Preview {
     return quit_ == Quit::Wanted || window_.should_close() || stop_signal_.has_come();
   }
   [[nodiscard]] ControlContext context() { return {lights_, runtime_.stage_from_head(), runtime_.player()}; }
-
-  [[nodiscard]] MaskPolicy policy() const { return {.pace = Pace::Real, .round_trip = client_.round_trip}; }
-  [[nodiscard]] RunContext run_context() {
-    return {.scene = client_.scene,
-            .runtime = runtime_,
-            .renderer = *client_.renderer,
-            .mode = options_.mode,
-            .link = client_.link.get(),
-            .own_tracer = client_.own_tracer.get(),
-            .settings = controls_.settings,
-            .exposure = settle_exposure(options_, client_),
-            .policy = policy(),
-            .clock = client_.clock};
-  }
 
   /// A layout that cannot be kept is no reason to fail.
   void remember() const {
@@ -196,7 +182,7 @@ class Preview {
     if (client_.link)
       if (auto connected = connect(options_, client_, std::move(listener)); !connected) return connected;
     settle_exposure(options_, client_);
-    recordings_.begin_capture({}, header_of(options_, client_, policy()));
+    recordings_.begin_capture({}, header_of(options_, client_));
     return {};
   }
 
@@ -332,8 +318,8 @@ Expected<std::optional<HeadRecording>> recording_of(const Options& options) {
 Expected<void> run_preview(const Options& given, StopSignal& stop) {
   Options options = given;
   options.pace = Pace::Real;
-  const SteadyClock clock;
-  Stages stages(clock);
+  options.delay_ms = 0;  // for the virtual clock
+  Stages stages(kSteadyClock);
   if (auto done = make_folder(options.out); !done) return done;
   Expected<std::optional<HeadRecording>> recording = recording_of(options);
   if (!recording) return tl::unexpected(recording.error());

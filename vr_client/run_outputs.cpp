@@ -1,0 +1,69 @@
+#include "vr_client/run_outputs.h"
+
+#include <spdlog/spdlog.h>
+
+#include "stereo/base/files.h"
+
+namespace farshade {
+
+RunReportOptions report_options(const Options& options, std::uint32_t frames, Compare compare) {
+  return {.out = options.out,
+          .frame_count = frames,
+          .reference_every = options.reference_every,
+          .pictures = options.pictures,
+          .dump = options.dump,
+          .compare = compare};
+}
+
+PixelReport report_of(const Options& options) {
+  return report_options(options, 0, Compare::AtOnce).measures_any() ? PixelReport::On : PixelReport::Off;
+}
+
+RunOutputs::RunOutputs(const Options& options, Client& client, Stages& stages,
+                       std::optional<RunReportOptions> measuring)
+    : options_(options), client_(client), stages_(stages), capture_(client.clock) {
+  if (measuring) report_.emplace(std::move(*measuring), *client.renderer, client.reference.get());
+}
+
+Expected<void> RunOutputs::open_capture(const Options& shown) {
+  if (!captures()) return {};
+  return capture_.open(options_.record, header_of(shown, client_));
+}
+
+Expected<void> RunOutputs::begin() {
+  silence_ = Silence(to_string(client_.server), client_.link && client_.link->counters().sessions == 0);
+  if (auto done = timeline_.write(options_.timeline); !done) return done;
+  if (!report_ || options_.json.empty() || options_.json == "-") return {};
+  return write_file_atomically(options_.json, "{}\n");
+}
+
+std::optional<std::string> RunOutputs::watch(const FrameView& view) {
+  if (frames_++ == 0) {
+    stages_.end("first frame");
+    spdlog::info("the first frame was shown after {}", stages_.in_words());
+  }
+  if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
+  if (report_) report_->watch(view);
+  // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
+  // A client that replays has no link.
+  if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
+  const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
+  return silence_.add(view.shown.frame, view.silent_since, kSteadyClock.now(), why);
+}
+
+Expected<void> RunOutputs::finish(bool was_interrupted, const std::function<Expected<void>()>& summarize) {
+  Expected<void> done = timeline_.write(options_.timeline);
+  if (report_) {
+    if (was_interrupted) report_->mark_interrupted();
+    for (const std::uint32_t dump : options_.dump)
+      if (dump == 0 || dump > report_->log().records().size())
+        spdlog::warn("frame {} was not dumped, because it was not shown", dump);
+    report_->finish();
+    if (auto written = summarize(); done) done = written;
+    if (done && report_->failed()) done = tl::unexpected(*report_->failed());
+  }
+  if (auto captured = capture_.finish(); done) done = captured;
+  return done;
+}
+
+}  // namespace farshade
