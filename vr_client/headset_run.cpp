@@ -196,8 +196,8 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
     const ShownDepth shown = client.renderer->shown_depth();
     return {shown.image, shown.first_layer};
   };
-  Expected<std::unique_ptr<HeadsetRuntime>> runtime = HeadsetRuntime::open(
-      system, client.device, client.renderer->shown(),
+  Expected<std::unique_ptr<HeadsetRuntime>> runtime = system.open_runtime(
+      client.device, client.renderer->shown(),
       {.start = viewpoint_of(client.scene, options.start_pose),
        .eye_size = options.size,
        .wants_to_end = wants_to_end,

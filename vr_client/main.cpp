@@ -22,8 +22,8 @@ Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop
   if (!options.export_trace.empty()) return export_head_recording(options);
   stop.emplace();
   if (options.xr != Xr::None) {
-    Expected<HeadsetSystem> headset = HeadsetSystem::open();
-    if (headset) return run_headset(options, *headset, *stop);
+    const Expected<std::unique_ptr<HeadsetSystem>> headset = HeadsetSystem::open();
+    if (headset) return run_headset(options, **headset, *stop);
     if (options.xr == Xr::OpenXr) return tl::unexpected(headset.error());
     spdlog::info("{} is shown instead of a headset: {}", preview_follows(options) ? "a window" : "a replay",
                  headset.error().what);

@@ -18,34 +18,6 @@ struct Image;
 
 namespace farshade {
 
-namespace openxr {
-class Instance;
-}
-
-/// The OpenXR runtime of this machine with its headset.
-class HeadsetSystem {
- public:
-  /// Missing if there is no runtime or no headset, Unsupported if it lacks what the client needs, Unavailable
-  /// if this build has no OpenXR. The sentence names the cure.
-  [[nodiscard]] static Expected<HeadsetSystem> open();
-  HeadsetSystem(HeadsetSystem&&) noexcept;
-  HeadsetSystem& operator=(HeadsetSystem&&) noexcept;
-  HeadsetSystem(const HeadsetSystem&) = delete;
-  HeadsetSystem& operator=(const HeadsetSystem&) = delete;
-  ~HeadsetSystem();
-
-  [[nodiscard]] std::string name() const;  ///< of runtime and headset
-  /// The recommended size of an eye times `scale`, at most the largest size that the runtime allows.
-  [[nodiscard]] Extent eye_size(double scale) const;
-  /// For DeviceOptions::maker. It refers to this system.
-  [[nodiscard]] gpu::VulkanMaker vulkan() const;
-
- private:
-  friend class HeadsetRuntime;
-  explicit HeadsetSystem(std::unique_ptr<openxr::Instance> instance);
-  std::unique_ptr<openxr::Instance> instance_;
-};
-
 /// A depth for each eye: near / distance (kNearPlane_m), 0 where there is no surface; two layers of
 /// D32_SFLOAT, whose upper left part has the size of an eye; layout ShaderReadOnlyOptimal.
 struct HeadsetDepth {
@@ -68,47 +40,52 @@ struct HeadsetSetup {
   std::function<void(Duration)> sleep = {};  ///< between two looks at the runtime; empty: of this thread
 };
 
-class HeadsetRuntime final : public Runtime {
+/// The frames of a session, from its begin to its end.
+class HeadsetRuntime : public Runtime {
  public:
-  /// Makes a session. `device` was made by `system`. `shown` is the picture of both eyes that each end_frame
-  /// submits: two layers of rgba8 UNORM, coded as sRGB, layout General. Keeps all references.
-  [[nodiscard]] static Expected<std::unique_ptr<HeadsetRuntime>> open(HeadsetSystem& system,
-                                                                      const gpu::Device& device,
-                                                                      const gpu::Image& shown,
-                                                                      HeadsetSetup setup);
-  HeadsetRuntime(const HeadsetRuntime&) = delete;
-  HeadsetRuntime& operator=(const HeadsetRuntime&) = delete;
-  ~HeadsetRuntime() override;
-
   /// Waits until the runtime shows frames of this client, however long that takes, and for the next of these
   /// frames. Returns nothing when the session has ended or failed, or the user wants to end; `longest_exit`
   /// later also while xrWaitFrame blocks.
-  [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
+  [[nodiscard]] std::optional<FrameTiming> wait_frame() override = 0;
   /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
-  [[nodiscard]] StereoView locate_views(Time display_time) const override;
-  [[nodiscard]] const PerEye<HiddenArea>* hidden() const override;
-  void end_frame(Time display_time) override;
+  [[nodiscard]] StereoView locate_views(Time display_time) const override = 0;
 
   /// Ends the session as the specification asks for: requests the exit and waits for it, at most
   /// `longest_exit`. Returns why frames ended early: a call that failed, or a runtime that has ended.
-  [[nodiscard]] Expected<void> finish();
+  [[nodiscard]] virtual Expected<void> finish() = 0;
 
   struct Counters {
     std::uint64_t submitted = 0;  ///< frames with a picture
     std::uint64_t empty = 0;      ///< frames without one, which the runtime did not show
     Duration copying{};           ///< pictures and depth into the runtime's images, all frames together
   };
-  [[nodiscard]] const Counters& counters() const;
+  [[nodiscard]] virtual const Counters& counters() const = 0;
   /// Of the display, as the runtime states it, or as the period of the last frame says. Call after a frame
   /// has begun.
-  [[nodiscard]] double refresh_hz() const;
+  [[nodiscard]] virtual double refresh_hz() const = 0;
   /// The states of the session in their order, for example "idle, ready, synchronized, visible, focused".
-  [[nodiscard]] const std::string& history() const;
+  [[nodiscard]] virtual const std::string& history() const = 0;
+};
 
- private:
-  class Parts;
-  explicit HeadsetRuntime(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;  ///< what knows OpenXR
+/// The OpenXR runtime of this machine with its headset.
+class HeadsetSystem {
+ public:
+  /// Missing if there is no runtime or no headset, Unsupported if it lacks what the client needs, Unavailable
+  /// if this build has no OpenXR. The sentence names the cure.
+  [[nodiscard]] static Expected<std::unique_ptr<HeadsetSystem>> open();
+  virtual ~HeadsetSystem() = default;
+
+  [[nodiscard]] virtual std::string name() const = 0;  ///< of runtime and headset
+  /// The recommended size of an eye times `scale`, at most the largest size that the runtime allows.
+  [[nodiscard]] virtual Extent eye_size(double scale) const = 0;
+  /// For DeviceOptions::maker. It refers to this system.
+  [[nodiscard]] virtual gpu::VulkanMaker vulkan() const = 0;
+
+  /// Makes a session. `device` was made by this system. `shown` is the picture of both eyes that each
+  /// end_frame submits: two layers of rgba8 UNORM, coded as sRGB, layout General. Keeps all references.
+  [[nodiscard]] virtual Expected<std::unique_ptr<HeadsetRuntime>> open_runtime(const gpu::Device& device,
+                                                                               const gpu::Image& shown,
+                                                                               HeadsetSetup setup) = 0;
 };
 
 }  // namespace farshade

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -91,7 +92,7 @@ std::string text_of(XrVersion version) {
 
 }  // namespace
 
-Expected<std::unique_ptr<Instance>> Instance::open() {
+Expected<std::unique_ptr<HeadsetSystem>> Instance::open() {
   std::unique_ptr<Instance> instance(new Instance);
   Expected<void> done = instance->create();
   if (done) done = instance->find_system();
@@ -181,6 +182,14 @@ Instance::~Instance() {
   if (handle_ != XR_NULL_HANDLE) xrDestroyInstance(handle_);
 }
 
+Extent Instance::eye_size(double scale) const {
+  const auto side = [scale](std::uint32_t recommended, std::uint32_t largest) {
+    const double most = std::min(largest, kMaxViewSide_px);
+    return static_cast<std::uint32_t>(std::clamp(std::round(recommended * scale), 1.0, std::max(most, 1.0)));
+  };
+  return {side(recommended_.width, largest_.width), side(recommended_.height, largest_.height)};
+}
+
 gpu::VulkanMaker Instance::vulkan() const {
   return {.make_instance =
               [this](const vk::InstanceCreateInfo& info) { return make_instance(handle_, system_, info); },
@@ -192,3 +201,11 @@ gpu::VulkanMaker Instance::vulkan() const {
 }
 
 }  // namespace farshade::openxr
+
+namespace farshade {
+
+Expected<std::unique_ptr<HeadsetSystem>> HeadsetSystem::open() {
+  return openxr::Instance::open();
+}
+
+}  // namespace farshade

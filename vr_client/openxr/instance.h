@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "stereo/base/extent.h"
-#include "stereo/gpu/device_options.h"
+#include "vr_client/openxr/headset_runtime.h"
 #include "vr_client/openxr/result.h"
 
 namespace farshade::openxr {
@@ -22,26 +21,27 @@ struct Extensions {
   bool refresh_rate = false;     ///< XR_FB_display_refresh_rate
 };
 
-class Instance {
+class Instance final : public HeadsetSystem {
  public:
-  /// Missing without a runtime or a headset; Unsupported if the runtime has no XR_KHR_vulkan_enable2 or does
-  /// not allow Vulkan 1.3.
-  [[nodiscard]] static Expected<std::unique_ptr<Instance>> open();
+  /// Unsupported also if the runtime has no XR_KHR_vulkan_enable2 or does not allow Vulkan 1.3.
+  [[nodiscard]] static Expected<std::unique_ptr<HeadsetSystem>> open();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
-  ~Instance();
+  ~Instance() override;
 
   [[nodiscard]] XrInstance handle() const { return handle_; }
   [[nodiscard]] XrSystemId system() const { return system_; }
   [[nodiscard]] const Extensions& extensions() const { return extensions_; }
   /// "Monado(XRT) 25.0.0, Simulated HMD".
-  [[nodiscard]] const std::string& name() const { return name_; }
-  /// The size of each view that the runtime recommends and its upper limit; the larger one if eyes differ.
-  [[nodiscard]] Extent recommended() const { return recommended_; }
-  [[nodiscard]] Extent largest() const { return largest_; }
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] Extent eye_size(double scale) const override;
 
-  /// Makes the Vulkan objects through the runtime. Refers to this instance. Throws if the runtime refuses.
-  [[nodiscard]] gpu::VulkanMaker vulkan() const;
+  /// Makes the Vulkan objects through the runtime. Throws if the runtime refuses.
+  [[nodiscard]] gpu::VulkanMaker vulkan() const override;
+  /// In headset_runtime.cpp.
+  [[nodiscard]] Expected<std::unique_ptr<HeadsetRuntime>> open_runtime(const gpu::Device& device,
+                                                                       const gpu::Image& shown,
+                                                                       HeadsetSetup setup) override;
 
   /// Asks again for the headset, after a session was lost; it may have a new system id. Missing while it is
   /// not there, Unavailable if it is driven by another GPU than `device`.
@@ -61,7 +61,7 @@ class Instance {
   XrSystemId system_ = XR_NULL_SYSTEM_ID;
   Extensions extensions_;
   std::string name_;
-  Extent recommended_, largest_;
+  Extent recommended_, largest_;  ///< of each view, as the runtime says; the larger one if eyes differ
 };
 
 /// Calls an extension's function, which the loader does not export.

@@ -44,9 +44,9 @@ fake_openxr::Runtime& restart_fake() {
 }
 
 Expected<ShownPictures> make_pictures() {
-  const Expected<HeadsetSystem> system = HeadsetSystem::open();
+  const Expected<std::unique_ptr<HeadsetSystem>> system = HeadsetSystem::open();
   if (!system) return tl::unexpected(system.error());
-  return open_device_of(*system).map([](gpu::Device&& device) {
+  return open_device_of(**system).map([](gpu::Device&& device) {
     gpu::Image shown =
                    cleared(device, vk::Format::eR8G8B8A8Unorm, Usage::eStorage, vk::ImageLayout::eGeneral),
                depth = cleared(device, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment,
@@ -92,13 +92,13 @@ HeadsetSetup FakeHeadset::setup() const {
 }
 
 bool FakeHeadset::open(HeadsetSetup setup) {
-  Expected<HeadsetSystem> found = HeadsetSystem::open();
+  Expected<std::unique_ptr<HeadsetSystem>> found = HeadsetSystem::open();
   if (!found) {
     error = found.error().what;
     return false;
   }
-  system.emplace(std::move(*found));
-  auto opened = HeadsetRuntime::open(*system, pictures()->device, pictures()->shown, std::move(setup));
+  system = std::move(*found);
+  auto opened = system->open_runtime(pictures()->device, pictures()->shown, std::move(setup));
   if (!opened) {
     error = opened.error().what;
     return false;

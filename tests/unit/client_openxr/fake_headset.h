@@ -41,7 +41,7 @@ class FakeHeadset : public testing::Test {
   void finish();
 
   fake_openxr::Runtime* fake = nullptr;
-  std::optional<HeadsetSystem> system;
+  std::unique_ptr<HeadsetSystem> system;
   std::unique_ptr<HeadsetRuntime> runtime;
   std::vector<StereoView> shown;  ///< views of the frames
   std::string error;              ///< of open or finish

@@ -478,13 +478,13 @@ TEST_F(HeadsetPictures, NeedAFormatWithTheSameBytes) {
 
 TEST_F(HeadsetPictures, HaveTheRecommendedSizeTimesTheScaleUpToTheLargest) {
   fake->sizes = {fake::EyeSize{1000, 900, 2000, 1500}, fake::EyeSize{1100, 850, 2000, 1500}};
-  const Expected<HeadsetSystem> headset = HeadsetSystem::open();
+  const Expected<std::unique_ptr<HeadsetSystem>> headset = HeadsetSystem::open();
   ASSERT_TRUE(headset) << headset.error().what;
-  EXPECT_EQ(headset->eye_size(1), (Extent{1100, 900}));
-  EXPECT_EQ(headset->eye_size(0.5), (Extent{550, 450}));
-  EXPECT_EQ(headset->eye_size(1.7), (Extent{1870, 1500}));
-  EXPECT_EQ(headset->eye_size(1e-6), (Extent{1, 1}));
-  EXPECT_EQ(headset->name(), "Fake 1.2.3, Headset");
+  EXPECT_EQ((*headset)->eye_size(1), (Extent{1100, 900}));
+  EXPECT_EQ((*headset)->eye_size(0.5), (Extent{550, 450}));
+  EXPECT_EQ((*headset)->eye_size(1.7), (Extent{1870, 1500}));
+  EXPECT_EQ((*headset)->eye_size(1e-6), (Extent{1, 1}));
+  EXPECT_EQ((*headset)->name(), "Fake 1.2.3, Headset");
 }
 
 TEST_F(HeadsetPictures, OfARuntimeThatHoldsThemEndTheClient) {
@@ -539,8 +539,8 @@ TEST_F(HeadsetWaits, GoOnWhileTheUserDoesNotWantToEnd) {
     std::this_thread::sleep_for(std::chrono::hours(1));  // until the process ends
   };
   {
-    HeadsetSystem system = HeadsetSystem::open().value();
-    auto headset = HeadsetRuntime::open(system, made->device, made->shown,
+    const std::unique_ptr<HeadsetSystem> system = HeadsetSystem::open().value();
+    auto headset = system->open_runtime(made->device, made->shown,
                                         {.start = {},
                                          .eye_size = kEyeSize,
                                          .wants_to_end = [&] { return ends; },
