@@ -19,11 +19,11 @@ constexpr std::uint32_t kSlice_bytes = kVideoPart_bytes - 64;
 
 Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) {
   Stream* const found = streams_.find(job.session.value);
-  if (found != nullptr && found->encoder.format() == format) return *found;
+  if (found != nullptr && found->encoder->format() == format) return *found;
   rebuilds_.take(job.key, job.arrived);
   const std::size_t bytes = kEncoder_bytes + format.size.pixels() * kPixel_bytes;
   streams_.make_room(job.session.value, job.key, bytes);
-  Expected<VideoEncoder> encoder = VideoEncoder::create(format);
+  Expected<std::unique_ptr<VideoEncoder>> encoder = VideoEncoder::create(format);
   if (!encoder) throw std::runtime_error(encoder.error().what);
   // The first picture of a stream is a key frame, so it depends on no other frame.
   return streams_.put(job.session.value, job.key, bytes, {std::move(*encoder), job.request.frame});
@@ -41,7 +41,7 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
   // Frames between two pictures of a stream may be of other kinds, so numbers can go round meanwhile: a
   // picture that is not newer than the last one cannot be said to depend on it.
   const bool alone = request.answer.coding == Coding::Alone || !is_newer(request.frame, stream.last);
-  const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
+  const auto unit = stream.encoder->encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
   const VideoUnitParts parts = video_parts(unit);
   // The next picture depends on this one even if this one is too large to send.
   const FrameId last = std::exchange(stream.last, request.frame);

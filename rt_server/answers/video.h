@@ -21,7 +21,7 @@ class Streams {
 
  private:
   struct Stream {
-    VideoEncoder encoder;
+    std::unique_ptr<VideoEncoder> encoder;
     FrameId last{};
   };
   Stream& stream_for(const Job& job, const VideoFormat& format);

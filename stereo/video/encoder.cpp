@@ -72,6 +72,41 @@ bool open(const VideoFormat& format, AVCodecContext& context, const AVCodec& cod
   return opened && understood;
 }
 
+class LibavEncoder final : public VideoEncoder {
+ public:
+  LibavEncoder(const VideoFormat& format, Libav<AVCodecContext> context, Libav<AVFrame> frame,
+               Libav<AVPacket> packet, ColourConverter colours)
+      : format_(format),
+        context_(std::move(context)),
+        frame_(std::move(frame)),
+        packet_(std::move(packet)),
+        colours_(std::move(colours)) {}
+
+  [[nodiscard]] const VideoFormat& format() const override { return format_; }
+  [[nodiscard]] std::span<const std::byte> encode(const Image<Rgb8>& picture, KeyFrame key) override;
+
+ private:
+  VideoFormat format_;
+  Libav<AVCodecContext> context_;
+  Libav<AVFrame> frame_;
+  Libav<AVPacket> packet_;
+  ColourConverter colours_;
+};
+
+std::span<const std::byte> LibavEncoder::encode(const Image<Rgb8>& picture, KeyFrame key) {
+  AVFrame& frame = *frame_;
+  AVPacket& packet = *packet_;
+  check(av_frame_make_writable(&frame) >= 0, "there is memory for a video frame");
+  colours_.to_yuv(picture, {{frame.data[0], frame.data[1], frame.data[2]},
+                            {frame.linesize[0], frame.linesize[1], frame.linesize[2]}});
+  frame.pict_type = key == KeyFrame::Now ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+  check(avcodec_send_frame(context_.get(), &frame) >= 0, "libx264 takes each picture");
+  ++frame.pts;
+  av_packet_unref(&packet);
+  check(avcodec_receive_packet(context_.get(), &packet) >= 0, "one picture in is one unit out");
+  return std::as_bytes(std::span(packet.data, narrow<std::size_t>(packet.size)));
+}
+
 }  // namespace
 
 bool has_video() {
@@ -86,20 +121,7 @@ std::string video_version() {
          (encoder != nullptr ? " with libx264" : " without libx264");
 }
 
-struct VideoEncoder::Codec {
-  VideoFormat format;
-  Libav<AVCodecContext> context;
-  Libav<AVFrame> frame;
-  Libav<AVPacket> packet;
-  ColourConverter colours;
-};
-
-VideoEncoder::VideoEncoder(std::unique_ptr<Codec> codec) : codec_(std::move(codec)) {}
-VideoEncoder::VideoEncoder(VideoEncoder&&) noexcept = default;
-VideoEncoder& VideoEncoder::operator=(VideoEncoder&&) noexcept = default;
-VideoEncoder::~VideoEncoder() = default;
-
-Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
+Expected<std::unique_ptr<VideoEncoder>> VideoEncoder::create(const VideoFormat& format) {
   if (const std::string why = refusal(format); !why.empty()) return fail(Fault::OutOfRange, why);
   av_log_set_level(AV_LOG_QUIET);  // its return codes report errors
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
@@ -121,26 +143,8 @@ Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
   frame->colorspace = context->colorspace;
   frame->pts = 0;
   if (av_frame_get_buffer(frame.get(), 0) < 0) return fail(Fault::Unavailable, "no memory for a video frame");
-  return VideoEncoder(std::make_unique<Codec>(
-      Codec{format, std::move(context), std::move(frame), std::move(packet), std::move(*colours)}));
-}
-
-const VideoFormat& VideoEncoder::format() const {
-  return codec_->format;
-}
-
-std::span<const std::byte> VideoEncoder::encode(const Image<Rgb8>& picture, KeyFrame key) {
-  AVFrame& frame = *codec_->frame;
-  AVPacket& packet = *codec_->packet;
-  check(av_frame_make_writable(&frame) >= 0, "there is memory for a video frame");
-  codec_->colours.to_yuv(picture, {{frame.data[0], frame.data[1], frame.data[2]},
-                                   {frame.linesize[0], frame.linesize[1], frame.linesize[2]}});
-  frame.pict_type = key == KeyFrame::Now ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
-  check(avcodec_send_frame(codec_->context.get(), &frame) >= 0, "libx264 takes each picture");
-  ++frame.pts;
-  av_packet_unref(&packet);
-  check(avcodec_receive_packet(codec_->context.get(), &packet) >= 0, "one picture in is one unit out");
-  return std::as_bytes(std::span(packet.data, narrow<std::size_t>(packet.size)));
+  return std::make_unique<LibavEncoder>(format, std::move(context), std::move(frame), std::move(packet),
+                                        std::move(*colours));
 }
 
 }  // namespace farshade

@@ -48,23 +48,14 @@ class VideoEncoder {
   /// OutOfRange: width or height is odd, below 32 or larger than two views side by side; the bit rate is
   /// outside of 10^5..10^9; frames a second are outside of 1..1000; slices have less than 200 bytes.
   /// Unavailable: this build has no video, or libx264 fails.
-  [[nodiscard]] static Expected<VideoEncoder> create(const VideoFormat& format);
-  VideoEncoder(VideoEncoder&&) noexcept;
-  VideoEncoder& operator=(VideoEncoder&&) noexcept;
-  VideoEncoder(const VideoEncoder&) = delete;
-  VideoEncoder& operator=(const VideoEncoder&) = delete;
-  ~VideoEncoder();
+  [[nodiscard]] static Expected<std::unique_ptr<VideoEncoder>> create(const VideoFormat& format);
+  virtual ~VideoEncoder() = default;
 
-  [[nodiscard]] const VideoFormat& format() const;
+  [[nodiscard]] virtual const VideoFormat& format() const = 0;
 
   /// Returns one whole access unit: Annex B, with parameter sets at key frames. Valid until the next call.
   /// `picture` has the format's size.
-  [[nodiscard]] std::span<const std::byte> encode(const Image<Rgb8>& picture, KeyFrame key);
-
- private:
-  struct Codec;
-  explicit VideoEncoder(std::unique_ptr<Codec> codec);
-  std::unique_ptr<Codec> codec_;
+  [[nodiscard]] virtual std::span<const std::byte> encode(const Image<Rgb8>& picture, KeyFrame key) = 0;
 };
 
 /// Decodes the encoder's units. Units are foreign bytes. A unit may lack slices, and units may be missing:
@@ -72,31 +63,23 @@ class VideoEncoder {
 /// picture.
 class VideoDecoder {
  public:
-  [[nodiscard]] static Expected<VideoDecoder> create();
-  VideoDecoder(VideoDecoder&&) noexcept;
-  VideoDecoder& operator=(VideoDecoder&&) noexcept;
-  VideoDecoder(const VideoDecoder&) = delete;
-  VideoDecoder& operator=(const VideoDecoder&) = delete;
-  ~VideoDecoder();
+  [[nodiscard]] static Expected<std::unique_ptr<VideoDecoder>> create();
+  virtual ~VideoDecoder() = default;
 
   /// Returns the picture of one access unit, valid until the next call. `size`: the pixels that were asked
   /// for. The memory that decoding takes depends on it and not on what the unit announces. Missing: the unit
   /// is not a key frame, and no key frame has been decoded since the start, a reset or an error. Malformed:
   /// the unit gives no picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture has
   /// another size, or what examine_unit (video_unit.h) says.
-  [[nodiscard]] Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit, Extent size);
+  [[nodiscard]] virtual Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit,
+                                                            Extent size) = 0;
 
   /// The decoder knows that blocks of the last picture were missing or wrong. False does not mean that the
   /// picture is whole: its reference picture may have been damaged.
-  [[nodiscard]] bool concealed() const;
+  [[nodiscard]] virtual bool concealed() const = 0;
 
   /// Only a key frame decodes then.
-  void reset();
-
- private:
-  struct Codec;
-  explicit VideoDecoder(std::unique_ptr<Codec> codec);
-  std::unique_ptr<Codec> codec_;
+  virtual void reset() = 0;
 };
 
 /// Size of a picture with two eyes of `eye` pixels side by side. 4:2:0 needs an even width and height, so an

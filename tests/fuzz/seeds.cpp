@@ -273,13 +273,13 @@ void save_captures(const fs::path& folder) {
 void save_videos(const fs::path& folder) {
   if (!has_video()) return;
   const auto units = [&](Extent size) {
-    VideoEncoder encoder = VideoEncoder::create({size, 2'000'000, 72, 300}).value();
+    const auto encoder = VideoEncoder::create({size, 2'000'000, 72, 300}).value();
     std::vector<Bytes> made;
     for (std::uint8_t frame = 0; frame < 2; ++frame) {
       Image<Rgb8> picture(size);
       for (std::uint32_t i = 0; i < size.pixels(); ++i)
         picture.pixels[i] = Rgb8(static_cast<std::uint8_t>(3 * i + 40 * frame));
-      const auto unit = encoder.encode(picture, KeyFrame::IfNeeded);
+      const auto unit = encoder->encode(picture, KeyFrame::IfNeeded);
       made.emplace_back(1, std::byte{frame});
       made.back().insert(made.back().end(), unit.begin(), unit.end());
     }

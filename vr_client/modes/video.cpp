@@ -17,8 +17,8 @@
 namespace farshade {
 namespace {
 
-VideoDecoder make_decoder() {
-  Expected<VideoDecoder> decoder = VideoDecoder::create();
+std::unique_ptr<VideoDecoder> make_decoder() {
+  Expected<std::unique_ptr<VideoDecoder>> decoder = VideoDecoder::create();
   if (!decoder) throw std::runtime_error(decoder.error().what);
   return std::move(*decoder);
 }
@@ -31,10 +31,10 @@ const Image<Rgb8>* VideoChain::take(FrameId frame, FrameId after, std::span<cons
                                     Extent size) {
   const std::optional<Extent> last = std::exchange(size_, std::nullopt);
   if (after == frame)
-    decoder_.reset();  // a key frame depends on no other
+    decoder_->reset();  // a key frame depends on no other
   else if (last != size)
     return nullptr;  // the key frame of this size is lost
-  const Expected<const Image<Rgb8>*> picture = decoder_.decode(unit, size);
+  const Expected<const Image<Rgb8>*> picture = decoder_->decode(unit, size);
   if (!picture) return nullptr;
   size_ = size;
   return *picture;

@@ -25,7 +25,7 @@ class VideoChain {
   [[nodiscard]] Coding next() const { return size_ ? Coding::AfterLast : Coding::Alone; }
 
  private:
-  VideoDecoder decoder_;
+  std::unique_ptr<VideoDecoder> decoder_;
   std::optional<Extent> size_;  ///< of the last picture; none if only a key frame can be decoded
 };
 

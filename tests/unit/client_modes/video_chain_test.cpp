@@ -16,9 +16,8 @@ class VideoChainTest : public testing::Test {
  protected:
   void SetUp() override {
     if (!has_video()) GTEST_SKIP() << video_version();
-    encoder_.emplace(
-        VideoEncoder::create({.size = kSize, .bits_per_second = 10'000'000, .frames_per_second = 72})
-            .value());
+    encoder_ =
+        VideoEncoder::create({.size = kSize, .bits_per_second = 10'000'000, .frames_per_second = 72}).value();
     chain_.emplace();
   }
 
@@ -34,7 +33,7 @@ class VideoChainTest : public testing::Test {
     return picture == nullptr ? -1 : picture->at(9, 9).g;
   }
 
-  std::optional<VideoEncoder> encoder_;
+  std::unique_ptr<VideoEncoder> encoder_;
   std::optional<VideoChain> chain_;
 };
 
@@ -84,8 +83,8 @@ TEST_F(VideoChainTest, NeedsAKeyFrameFirst) {
 TEST_F(VideoChainTest, AfterALostKeyFrameOfANewSizeDecodesNothingUpToAnotherOne) {
   taken({1}, {1}, unit(40));
   constexpr Extent other{160, 64};
-  encoder_.emplace(
-      VideoEncoder::create({.size = other, .bits_per_second = 10'000'000, .frames_per_second = 72}).value());
+  encoder_ =
+      VideoEncoder::create({.size = other, .bits_per_second = 10'000'000, .frames_per_second = 72}).value();
   const auto unit_of = [&](std::uint8_t level, KeyFrame key = KeyFrame::IfNeeded) {
     const std::span<const std::byte> bytes = encoder_->encode(Image<Rgb8>(other, Rgb8(level)), key);
     return std::vector(bytes.begin(), bytes.end());

@@ -71,23 +71,23 @@ TEST_F(StreamsCode, ARequestedKeyFrameDependsOnNoPicture) {
   EXPECT_EQ(next.after, FrameId{1});
   const Coded alone = *code(streams_, {3}, grey(kEye, 140), Coding::Alone);
   EXPECT_EQ(alone.after, FrameId{3});
-  VideoDecoder late = VideoDecoder::create().value();
-  EXPECT_FALSE(late.decode(next.unit, side_by_side_size(kEye))) << "depends on the first";
-  const Image<Rgb8>* const shown = late.decode(alone.unit, side_by_side_size(kEye)).value();
+  const auto late = VideoDecoder::create().value();
+  EXPECT_FALSE(late->decode(next.unit, side_by_side_size(kEye))) << "depends on the first";
+  const Image<Rgb8>* const shown = late->decode(alone.unit, side_by_side_size(kEye)).value();
   EXPECT_NEAR(shown->at(5, 5).g, 140, 2);
 }
 
 /// Between two pictures, requests of other kinds may move the numbers of frames by half of their range,
 /// twice.
 TEST_F(StreamsCode, APictureThatIsNotNewerThanTheLastDependsOnNone) {
-  VideoDecoder decoder = VideoDecoder::create().value();
+  const auto decoder = VideoDecoder::create().value();
   std::uint8_t level = 40;
   for (const std::uint32_t frame :
        {0u, 0xffffffffu, 0x7fffffffu, 0xffffffffu, 0x7fffffffu, 0x7fffffffu, 0x7ffffffeu}) {
     level = static_cast<std::uint8_t>(level + 20);
     const Coded coded = *code(streams_, {frame}, grey(kEye, level));
     EXPECT_EQ(coded.after, FrameId{frame});
-    EXPECT_NEAR(decoder.decode(coded.unit, side_by_side_size(kEye)).value()->at(5, 5).g, level, 2);
+    EXPECT_NEAR(decoder->decode(coded.unit, side_by_side_size(kEye)).value()->at(5, 5).g, level, 2);
   }
   EXPECT_EQ(code(streams_, {0x7fffffff}, grey(kEye, 90))->after, FrameId{0x7ffffffe});
 }
