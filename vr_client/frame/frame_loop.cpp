@@ -60,7 +60,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     state.light_set.exposure = exposure_of(context);
     const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};
-    const FrameRequest* const request = pipeline.request(inputs);
+    const std::optional<FrameRequest> request = pipeline.request(inputs);
 
     starts.collect = clock.now();
     const Duration busy = context.link ? context.link->busy() : Duration::zero();
@@ -78,7 +78,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
         context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect;
     times.frame = times.request + times.collect + times.total;
     watch({.shown = shown,
-           .request = request,
+           .request = request ? &*request : nullptr,
            .state = state,
            .masks = drawn_frame.masks,
            .newest = drawn_frame.newest,

@@ -4,12 +4,9 @@
 #include <functional>
 
 #include "stereo/base/pausable_clock.h"
-#include "stereo/draw/renderer.h"
-#include "stereo/scene/scene_state.h"
-#include "vr_client/ask/request_plan.h"
 #include "vr_client/frame/mode.h"
+#include "vr_client/frame/mode_pipeline.h"
 #include "vr_client/frame/reference.h"
-#include "vr_client/link/frame_receiver.h"
 #include "vr_client/runtime/runtime.h"
 
 namespace farshade {
@@ -22,15 +19,6 @@ struct MaskPolicy {
   Duration mask_wait{};   ///< how long a frame waits for its own answer before it uses earlier ones
 };
 
-/// Settings that may change between frames. They are read once a frame, after Runtime::wait_frame.
-struct FrameSettings {
-  RequestSettings request;
-  Reprojection reprojection;
-  LightChanges lights{};  ///< all changes that the viewer has made so far
-  SceneClock scene = SceneClock::Running;
-  PixelReport report = PixelReport::Off;
-};
-
 /// The time that the client's stages worked, without waits for the display or the server.
 struct StageTimes : DrawTimes {
   Duration request{};  ///< locate views, animate the scene, predict, send
@@ -41,19 +29,6 @@ struct StageTimes : DrawTimes {
 /// When the stages of a frame began, on the clock of the run.
 struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
-};
-
-/// What the answers of the cube mask took that came during a frame.
-struct CubeMaskCost {
-  std::uint64_t rays = 0;   ///< primary and shadow
-  std::uint64_t bytes = 0;  ///< of their slices, before sealing
-  Duration server{};
-};
-
-/// How a shown picture was made.
-enum class ShownAs : std::uint8_t {
-  Shaded,   ///< the client shaded it; the renderer's report has the visibility of each light
-  Picture,  ///< the server drew it, or the difference that its shadows make
 };
 
 /// A frame that was shown. The references are valid during the call that receives it.
@@ -90,50 +65,6 @@ struct RunContext {
   Exposure exposure{};               ///< unless the server's Welcome says another
   MaskPolicy policy;
   const Clock& clock = kSteadyClock;  ///< times the stages: StageStarts
-};
-
-/// A frame that has begun: what it shows, and its settings.
-struct FrameInputs {
-  const FrameMoment& shown;
-  const SceneState& state;
-  Duration period;  ///< of the display
-  const FrameSettings& settings;
-  const PerEye<HiddenArea>* hidden = nullptr;  ///< Runtime::hidden
-};
-
-/// How a frame was drawn. References are valid until the next frame begins.
-struct DrawnFrame {
-  DrawTimes drawn;
-  ShownAs as = ShownAs::Shaded;
-  bool start_up = false;                ///< no answer that the mode needs has come yet
-  std::span<const TracedMask> masks{};  ///< the masks it was drawn with, the most trusted first
-  std::span<const TracedMask> cube_mask{};
-  CubeMaskCost cube_mask_cost{};
-  const RequestRecord* newest = nullptr;
-  std::optional<Duration> age{};
-  PerEye<double> black{};
-  Duration decoding{};  ///< the time for decoding answers, without that of the link
-};
-
-/// The three steps of a frame in one mode. The frame loop calls them in order. The modes are in
-/// vr_client/modes; the steps that modes share are in modes/mask_stream.h and in the renderer.
-class ModePipeline {
- public:
-  virtual ~ModePipeline() = default;
-
-  /// Draws once what later frames may draw, without a link, so that no display time waits for a pipeline's
-  /// compiler, the first shadow maps or the tracer's first pages. Another pipeline of the mode runs
-  /// afterwards. The default draws nothing: Renderer::compile_steps suffice.
-  virtual void draw_ahead(const FrameInputs&) {}
-
-  /// Sends this frame's request. Returns it, valid until the next call; null if there is none.
-  virtual const FrameRequest* request(const FrameInputs& inputs) = 0;
-
-  /// Receives answers, or traces.
-  virtual void collect(const FrameInputs& inputs) = 0;
-
-  /// Draws the picture, which stays in the renderer.
-  virtual DrawnFrame draw(const FrameInputs& inputs) = 0;
 };
 
 /// Shows frames until the runtime ends, `stop` returns true, or the server refuses the client for good.

@@ -17,8 +17,6 @@ class Full final : public ModePipeline {
     static_cast<void>(draw(inputs));
   }
 
-  const FrameRequest* request(const FrameInputs&) override { return nullptr; }
-
   void collect(const FrameInputs& inputs) override {
     mask_.reset();
     if (context_.own_tracer != nullptr) mask_.emplace(context_.own_tracer->trace(inputs.shown));
@@ -48,8 +46,6 @@ class Local final : public ModePipeline {
   explicit Local(const RunContext& context) : context_(context) {}
 
   void draw_ahead(const FrameInputs& inputs) override { static_cast<void>(draw(inputs)); }
-  const FrameRequest* request(const FrameInputs&) override { return nullptr; }
-  void collect(const FrameInputs&) override {}
 
   DrawnFrame draw(const FrameInputs& inputs) override {
     return {.drawn = context_.renderer.draw({.views = inputs.shown.views,

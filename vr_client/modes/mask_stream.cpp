@@ -43,9 +43,8 @@ MaskStream::MaskStream(ServerConnection* link, const MaskPolicy& policy, const R
   plan_.learn(policy.pace == Pace::Real ? policy.round_trip : policy.delay - policy.mask_wait);
 }
 
-FrameRequest* MaskStream::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
-  request_.reset();
-  if (link_ == nullptr) return nullptr;
+std::optional<FrameRequest> MaskStream::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
+  if (link_ == nullptr) return std::nullopt;
   RequestSettings settings = inputs.settings.request;
   const bool is_picture = is_drawn(answer.kind);
   if (answer.kind == Answer::GBuffer) settings.guard_band = GuardBandUse::Off;
@@ -53,16 +52,14 @@ FrameRequest* MaskStream::plan(const FrameInputs& inputs, const AnswerSpec& answ
   plan_.use(is_picture ? AnswerUse::Timewarped : AnswerUse::Reprojected);
   plan_.shrink(is_picture ? kFullViewScale : link_->receiver().view_scale());
   plan_.limit(link_->receiver().most_pixels());
-  request_ = plan_.ask(inputs.shown, inputs.period, inputs.settings.scene);
-  if (!request_) return nullptr;
-  request_->answer = answer;
-  return &*request_;
+  std::optional<FrameRequest> request = plan_.ask(inputs.shown, inputs.period, inputs.settings.scene);
+  if (request) request->answer = answer;
+  return request;
 }
 
-void MaskStream::send(const FrameInputs& inputs, const RequestParts& parts) {
-  if (!request_) return;
-  requested_ = request_->frame;
-  link_->request(*request_, inputs.shown.display_time, parts);
+void MaskStream::send(const FrameInputs& inputs, const FrameRequest& request, const RequestParts& parts) {
+  requested_ = request.frame;
+  link_->request(request, inputs.shown.display_time, parts);
 }
 
 const RequestRecord* MaskStream::newest_settled(const FrameInputs& inputs) {
@@ -96,8 +93,8 @@ void MaskStream::drawn_with(const FrameInputs& inputs, const RequestRecord& reco
   plan_.drawn_with(inputs.shown.views, record.request.views, age_of(record, inputs));
 }
 
-const RequestRecord* MaskStream::record(const FrameRequest* request) const {
-  return request == nullptr || link_ == nullptr ? nullptr : link_->receiver().find(request->frame);
+const RequestRecord* MaskStream::record(std::optional<FrameId> request) const {
+  return request && link_ ? link_->receiver().find(*request) : nullptr;
 }
 
 /// After a server has let the patience run out, the client does not wait until the server has answered again.

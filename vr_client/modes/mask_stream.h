@@ -28,17 +28,17 @@ class MaskStream {
   MaskStream(ServerConnection* link, const MaskPolicy& policy, const RequestSettings& settings,
              SceneMotion motion = SceneMotion::Moving);
 
-  /// Plans this frame's request for an answer of the kind `answer`. Null on frames without a request.
+  /// Plans this frame's request for an answer of the kind `answer`. No value on frames without a request.
   /// Requests for pictures have the full size. A G-buffer has no guard band, because the renderer shades
   /// views of the shown size only.
-  FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
+  [[nodiscard]] std::optional<FrameRequest> plan(const FrameInputs& inputs, const AnswerSpec& answer);
 
   /// The time between the frame that asks and the frame that the request is made for.
   [[nodiscard]] Duration lead(Duration period) const { return plan_.lead(period); }
 
-  /// Sends the planned request, which the caller may have completed: what it asks for, and the number of
-  /// messages that follow it.
-  void send(const FrameInputs& inputs, const RequestParts& parts = {});
+  /// Sends this frame's request as it was planned, or as the caller has completed it: what it asks for, and
+  /// the number of messages that follow it.
+  void send(const FrameInputs& inputs, const FrameRequest& request, const RequestParts& parts = {});
 
   /// Whether a request may ask for a part of its views.
   [[nodiscard]] bool takes_parts() const { return link_->takes_parts(); }
@@ -61,8 +61,8 @@ class MaskStream {
 
   /// The slot of the record that the planned request will get when it is sent.
   [[nodiscard]] std::size_t next_slot() const { return link_->receiver().next_slot(); }
-  /// The record of a request; null if it was not sent, or is forgotten.
-  [[nodiscard]] const RequestRecord* record(const FrameRequest* request) const;
+  /// The record of a request; null if there is no request, it was not sent, or it is forgotten.
+  [[nodiscard]] const RequestRecord* record(std::optional<FrameId> request) const;
 
  private:
   void wait_for_answer();
@@ -72,7 +72,6 @@ class MaskStream {
   ServerConnection* link_;
   MaskPolicy policy_;
   RequestPlan plan_;
-  std::optional<FrameRequest> request_;
   std::vector<const RequestRecord*> received_;
   const RequestRecord* settled_ = nullptr;
   FrameId newest_learned_;  ///< the newest frame whose latency is known; frames count from 1

@@ -47,19 +47,21 @@ class Hybrid final : public ModePipeline {
         partial_request_(context.renderer),
         masks_(context.renderer.anything_moves()) {}
 
-  const FrameRequest* request(const FrameInputs& inputs) override {
-    FrameRequest* const request = mask_stream_.plan(inputs, {.kind = Answer::Masks, .coding = coding_});
+  std::optional<FrameRequest> request(const FrameInputs& inputs) override {
+    std::optional<FrameRequest> request =
+        mask_stream_.plan(inputs, {.kind = Answer::Masks, .coding = coding_});
     if (cube_mask_.plan(inputs, mask_stream_.lead(inputs.period))) cube_mask_.send(inputs);
     partial_request_.skip();
-    if (request != nullptr && asks_for_parts() && mask_stream_.takes_parts()) {
+    if (request && asks_for_parts() && mask_stream_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
       const RequestRecord* const newest = mask_stream_.newest_settled(inputs);
       const RequestRecord* const base = inputs.settings.request.asks == Asks::Unknown ? newest : nullptr;
       partial_request_.prepare(*request, mask_stream_.next_slot(), base, hidden_in(*request, inputs));
     }
-    mask_stream_.send(inputs, partial_request_.parts());
+    if (request) mask_stream_.send(inputs, *request, partial_request_.parts());
     cube_mask_.send(inputs);
-    return request_ = request;
+    requested_ = request ? std::optional(request->frame) : std::nullopt;
+    return request;
   }
 
   void collect(const FrameInputs& inputs) override {
@@ -69,7 +71,7 @@ class Hybrid final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    const RequestRecord* const undrawn = partial_request_.drawn() ? nullptr : mask_stream_.record(request_);
+    const RequestRecord* const undrawn = partial_request_.drawn() ? nullptr : mask_stream_.record(requested_);
     DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, mask_stream_, &cube_mask_);
     if (partial_request_.drawn()) add_depth(*partial_request_.drawn(), drawn.drawn);
     return drawn;
@@ -85,7 +87,7 @@ class Hybrid final : public ModePipeline {
   CubeMask cube_mask_;
   PartialRequest partial_request_;
   MaskSources masks_;
-  const FrameRequest* request_ = nullptr;
+  std::optional<FrameId> requested_;  ///< in this frame
 };
 
 /// The number of slices that a request can announce. Tiles in further slices stay unknown.
@@ -101,13 +103,13 @@ class ClientPositions final : public ModePipeline {
         masks_(context.renderer.anything_moves()),
         bounds_(context.scene) {}
 
-  const FrameRequest* request(const FrameInputs& inputs) override {
+  std::optional<FrameRequest> request(const FrameInputs& inputs) override {
     drawn_ = {};
-    FrameRequest* const request = mask_stream_.plan(inputs, answer());
-    if (request == nullptr) return nullptr;
+    std::optional<FrameRequest> request = mask_stream_.plan(inputs, answer());
+    if (!request) return request;
     pack(*request, hidden_in(*request, inputs));
     request->answer.slices = narrow<std::uint32_t>(messages_used_);
-    mask_stream_.send(inputs, {.messages = std::span(messages_).first(messages_used_)});
+    mask_stream_.send(inputs, *request, {.messages = std::span(messages_).first(messages_used_)});
     return request;
   }
 

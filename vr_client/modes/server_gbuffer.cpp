@@ -26,9 +26,9 @@ class ServerGBuffer final : public ModePipeline {
     context_.renderer.timewarp_shown(views, views);
   }
 
-  const FrameRequest* request(const FrameInputs& inputs) override {
-    const FrameRequest* const request = mask_stream_.plan(inputs, {.kind = Answer::GBuffer});
-    mask_stream_.send(inputs);
+  std::optional<FrameRequest> request(const FrameInputs& inputs) override {
+    std::optional<FrameRequest> request = mask_stream_.plan(inputs, {.kind = Answer::GBuffer});
+    if (request) mask_stream_.send(inputs, *request);
     return request;
   }
 

@@ -49,7 +49,7 @@ class VideoStream {
   /// `answer` is Video or Difference. Throws if the build has no decoder, which open_client refuses before.
   VideoStream(const RunContext& context, Answer answer);
 
-  const FrameRequest* request(const FrameInputs& inputs);
+  std::optional<FrameRequest> request(const FrameInputs& inputs);
 
   /// Decodes the pictures that this frame may use and that have not been decoded yet.
   void collect(const FrameInputs& inputs);
@@ -91,15 +91,16 @@ VideoStream::VideoStream(const RunContext& context, Answer answer)
       answer_(answer),
       mask_stream_(context.link, context.policy, context.settings.request) {}
 
-const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
+std::optional<FrameRequest> VideoStream::request(const FrameInputs& inputs) {
   const Duration interval = inputs.period * std::max(inputs.settings.request.every, 1u);
-  const FrameRequest* const request =
+  std::optional<FrameRequest> request =
       mask_stream_.plan(inputs, {.kind = answer_,
                                  .bits_per_second = context_.mode.bits_per_second,
                                  .interval = interval,
                                  .coding = needed_coding()});
-  if (request != nullptr && request->answer.coding == Coding::Alone) key_asked_ = request->frame;
-  mask_stream_.send(inputs);
+  if (!request) return request;
+  if (request->answer.coding == Coding::Alone) key_asked_ = request->frame;
+  mask_stream_.send(inputs, *request);
   return request;
 }
 
@@ -154,7 +155,7 @@ class Remote final : public ModePipeline {
   explicit Remote(const RunContext& context) : context_(context), stream_(context, Answer::Video) {}
 
   void draw_ahead(const FrameInputs& inputs) override { static_cast<void>(draw(inputs)); }
-  const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
+  std::optional<FrameRequest> request(const FrameInputs& inputs) override { return stream_.request(inputs); }
   void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
@@ -187,7 +188,7 @@ class Delta final : public ModePipeline {
         {Image<Rgb8>(views[0].size), Image<Rgb8>(views[1].size)}, views);
   }
 
-  const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
+  std::optional<FrameRequest> request(const FrameInputs& inputs) override { return stream_.request(inputs); }
   void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
