@@ -1,5 +1,7 @@
 #include "vr_client/preview/remembered.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -14,63 +16,48 @@ using nlohmann::json;
 constexpr std::uint64_t kMost_bytes = 1 << 16;
 constexpr std::uint64_t kLargestSide_px = 16384;
 
-tl::unexpected<Error> wrong(const std::string& name, const char* wanted) {
-  return fail(Fault::Malformed, "'" + name + "' is not " + wanted);
+/// A value of the file.
+struct Field {
+  const char *name, *wanted;
+  bool (*take)(const json& from, Remembered& into);  ///< False: it is not what is wanted
+};
+
+bool is_side(const json& side) {
+  return side.is_number_unsigned() && side >= 1 && side <= kLargestSide_px;
 }
 
-/// Reads `name` into `value` if it is there.
-Expected<void> read(const json& object, const char* name, bool& value) {
-  const auto found = object.find(name);
-  if (found == object.end()) return {};
-  if (!found->is_boolean()) return wrong(name, "true or false");
-  value = found->get<bool>();
-  return {};
-}
-
-Expected<void> read(const json& object, const char* name, double& value) {
-  const auto found = object.find(name);
-  if (found == object.end()) return {};
-  if (!found->is_number()) return wrong(name, "a number");
-  const auto number = found->get<double>();
-  if (!(number >= 0 && number <= kMostPictureShare)) return wrong(name, "within 0 to 0.75");
-  value = number;
-  return {};
-}
-
-Expected<void> read(const json& object, const char* name, Overlay& value) {
-  const auto found = object.find(name);
-  if (found == object.end()) return {};
-  const auto* const text = found->get_ptr<const std::string*>();
-  const auto* const overlay =
-      std::ranges::find_if(kOverlays, [&](Overlay one) { return text != nullptr && *text == name_of(one); });
-  if (overlay == kOverlays.end()) return wrong(name, "the name of an overlay");
-  value = *overlay;
-  return {};
-}
-
-Expected<void> read(const json& object, const char* name, std::optional<Extent>& value) {
-  const auto found = object.find(name);
-  if (found == object.end()) return {};
-  const auto is_side = [](const json& side) {
-    return side.is_number_unsigned() && side.get<std::uint64_t>() >= 1 &&
-           side.get<std::uint64_t>() <= kLargestSide_px;
-  };
-  if (!found->is_array() || found->size() != 2 || !is_side((*found)[0]) || !is_side((*found)[1]))
-    return wrong(name, "a width and a height within 1 to 16384");
-  value = Extent{(*found)[0].get<std::uint32_t>(), (*found)[1].get<std::uint32_t>()};
-  return {};
-}
+const Field kFields[]{{"window", "a width and a height within 1 to 16384",
+                       [](const json& from, Remembered& into) {
+                         if (!from.is_array() || from.size() != 2 || !is_side(from[0]) || !is_side(from[1]))
+                           return false;
+                         into.window = {from[0].get<std::uint32_t>(), from[1].get<std::uint32_t>()};
+                         return true;
+                       }},
+                      {"panel", "true or false",
+                       [](const json& from, Remembered& into) {
+                         if (from.is_boolean()) into.panel = from.get<bool>();
+                         return from.is_boolean();
+                       }},
+                      {"overlay", "the name of an overlay",
+                       [](const json& from, Remembered& into) {
+                         const auto found = std::ranges::find_if(
+                             kOverlays, [&](Overlay one) { return from == name_of(one); });
+                         if (found != kOverlays.end()) into.overlay = *found;
+                         return found != kOverlays.end();
+                       }},
+                      {"picture_share", "a number within 0 to 0.75", [](const json& from, Remembered& into) {
+                         const double number = from.is_number() ? from.get<double>() : -1;
+                         const bool fits = number >= 0 && number <= kMostPictureShare;
+                         if (fits) into.picture_share = number;
+                         return fits;
+                       }}};
 
 }  // namespace
 
 std::string text_of(const Remembered& remembered) {
   json object;
-  if (remembered.window) {
-    json size = json::array();
-    size.push_back(remembered.window->width);
-    size.push_back(remembered.window->height);
-    object["window"] = std::move(size);
-  }
+  if (remembered.window)
+    object["window"] = json::array({remembered.window->width, remembered.window->height});
   object["panel"] = remembered.panel;
   object["overlay"] = name_of(remembered.overlay);
   object["picture_share"] = remembered.picture_share;
@@ -81,11 +68,9 @@ Expected<Remembered> parse_remembered(std::string_view text) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) return fail(Fault::Malformed, "it is no JSON object");
   Remembered result;
-  Expected<void> done = read(object, "window", result.window);
-  if (done) done = read(object, "panel", result.panel);
-  if (done) done = read(object, "overlay", result.overlay);
-  if (done) done = read(object, "picture_share", result.picture_share);
-  if (!done) return tl::unexpected(done.error());
+  for (const Field& field : kFields)
+    if (const auto found = object.find(field.name); found != object.end() && !field.take(*found, result))
+      return fail(Fault::Malformed, fmt::format("'{}' is not {}", field.name, field.wanted));
   return result;
 }
 
