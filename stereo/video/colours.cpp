@@ -8,13 +8,9 @@ extern "C" {
 
 namespace farshade {
 
-struct ColourConverter::Scaler {
-  SwsContext* context = nullptr;
-  Scaler() = default;
-  Scaler(const Scaler&) = delete;
-  Scaler& operator=(const Scaler&) = delete;
-  ~Scaler() { sws_freeContext(context); }
-};
+void ColourConverter::FreeScaler::operator()(SwsContext* scaler) const {
+  sws_freeContext(scaler);
+}
 
 Expected<ColourConverter> ColourConverter::create(Extent size, To to) {
   // libswscale has fast code for planar RGB at full chroma resolution.
@@ -23,26 +19,22 @@ Expected<ColourConverter> ColourConverter::create(Extent size, To to) {
   const auto width = narrow<int>(size.width), height = narrow<int>(size.height);
   constexpr int flags =
       SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
-  auto scaler = std::make_unique<Scaler>();
-  scaler->context =
-      sws_getContext(width, height, from_format, width, height, to_format, flags, nullptr, nullptr, nullptr);
+  Scaler scaler(
+      sws_getContext(width, height, from_format, width, height, to_format, flags, nullptr, nullptr, nullptr));
   const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
   constexpr int full_range = 1, one = 1 << 16;
-  if (scaler->context == nullptr ||
-      sws_setColorspaceDetails(scaler->context, bt709, full_range, bt709, full_range, 0, one, one) < 0)
+  if (!scaler ||
+      sws_setColorspaceDetails(scaler.get(), bt709, full_range, bt709, full_range, 0, one, one) < 0)
     return fail(Fault::Unavailable, "libswscale does not convert pictures of " + std::to_string(size.width) +
                                         " x " + std::to_string(size.height));
   return ColourConverter(size, std::move(scaler));
 }
 
-ColourConverter::ColourConverter(Extent size, std::unique_ptr<Scaler> scaler)
+ColourConverter::ColourConverter(Extent size, Scaler scaler)
     : size_(size),
       row_blocks_((size.width + sizeof(Block) - 1) / sizeof(Block)),
       planes_((3 * row_blocks_ * size.height) + 1),
       scaler_(std::move(scaler)) {}
-ColourConverter::ColourConverter(ColourConverter&&) noexcept = default;
-ColourConverter& ColourConverter::operator=(ColourConverter&&) noexcept = default;
-ColourConverter::~ColourConverter() = default;
 
 std::uint8_t* ColourConverter::plane(std::size_t index) {
   return planes_[index * row_blocks_ * size_.height].bytes.data();
@@ -63,7 +55,7 @@ void ColourConverter::to_yuv(const Image<Rgb8>& rgb, const YuvPlanes<std::uint8_
   const std::array<const std::uint8_t*, 3> from{gbr[0], gbr[1], gbr[2]};
   const auto step = narrow<int>(stride);
   const std::array<int, 3> steps{step, step, step};
-  const int rows = sws_scale(scaler_->context, from.data(), steps.data(), 0, narrow<int>(size_.height),
+  const int rows = sws_scale(scaler_.get(), from.data(), steps.data(), 0, narrow<int>(size_.height),
                              yuv.rows.data(), yuv.stride_bytes.data());
   check_eq(rows, narrow<int>(size_.height), "rows converted");
 }
@@ -73,7 +65,7 @@ void ColourConverter::to_rgb(const YuvPlanes<const std::uint8_t>& yuv, Image<Rgb
   const std::array<std::uint8_t*, 3> gbr{plane(0), plane(1), plane(2)};
   const auto step = narrow<int>(stride);
   const std::array<int, 3> steps{step, step, step};
-  const int rows = sws_scale(scaler_->context, yuv.rows.data(), yuv.stride_bytes.data(), 0,
+  const int rows = sws_scale(scaler_.get(), yuv.rows.data(), yuv.stride_bytes.data(), 0,
                              narrow<int>(size_.height), gbr.data(), steps.data());
   check_eq(rows, narrow<int>(size_.height), "rows converted");
   if (rgb.size != size_) rgb = Image<Rgb8>(size_);

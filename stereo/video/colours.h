@@ -9,6 +9,8 @@
 #include "stereo/base/expected.h"
 #include "stereo/image/image.h"
 
+struct SwsContext;
+
 namespace farshade {
 
 /// Rows of luma and of two chroma planes. A chroma plane has half the width and half the height.
@@ -23,11 +25,6 @@ class ColourConverter {
   enum class To : std::uint8_t { Yuv, Rgb };
   /// For pictures of `size`, with even width and height. Unavailable if libswscale fails.
   [[nodiscard]] static Expected<ColourConverter> create(Extent size, To to);
-  ColourConverter(ColourConverter&&) noexcept;
-  ColourConverter& operator=(ColourConverter&&) noexcept;
-  ColourConverter(const ColourConverter&) = delete;
-  ColourConverter& operator=(const ColourConverter&) = delete;
-  ~ColourConverter();
 
   [[nodiscard]] Extent size() const { return size_; }
 
@@ -36,17 +33,20 @@ class ColourConverter {
   void to_rgb(const YuvPlanes<const std::uint8_t>& yuv, Image<Rgb8>& rgb);
 
  private:
-  struct Scaler;
+  struct FreeScaler {
+    void operator()(SwsContext* scaler) const;
+  };
+  using Scaler = std::unique_ptr<SwsContext, FreeScaler>;
   struct alignas(64) Block {
     std::array<std::uint8_t, 64> bytes;
   };
-  ColourConverter(Extent size, std::unique_ptr<Scaler> scaler);
+  ColourConverter(Extent size, Scaler scaler);
   [[nodiscard]] std::uint8_t* plane(std::size_t index);
 
   Extent size_;
   std::size_t row_blocks_;
   std::vector<Block> planes_;  ///< green, blue, red
-  std::unique_ptr<Scaler> scaler_;
+  Scaler scaler_;
 };
 
 }  // namespace farshade
