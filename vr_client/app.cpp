@@ -17,7 +17,6 @@
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/placed_head.h"
 #include "vr_client/record/replay.h"
-#include "vr_client/report/own_files.h"
 #include "vr_client/run_outputs.h"
 #include "vr_client/runtime/headset.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
@@ -178,8 +177,7 @@ Expected<void> print_plan(const Options& options) {
 
 Expected<void> run_replay(const Options& options, StopSignal& stop) {
   Stages stages(kSteadyClock);
-  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
-    return done;
+  if (auto done = RunOutputs::prepare(options); !done) return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
   if (!frames) return tl::unexpected(frames.error());
   Expected<CaptureReader> reader = CaptureReader::open(options.replay);
@@ -192,11 +190,7 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
   Client& client = **opened;
   if (auto fits = check_capture(header, options, client); !fits) return fits;
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
-  auto tracing = open_tracers_meanwhile(options, mode, client);
-  open_renderer(client, header.limits);
-  stages.end("renderer");
-  if (auto done = tracing.get(); !done) return done;
-  stages.end("tracers");
+  if (auto done = open_drawing(options, mode, client, header.limits, stages); !done) return done;
 
   RunOutputs outputs(options, client, stages, report_options(options, *frames, Compare::AtOnce));
   Replay replay(std::move(*reader), report_of(options));
@@ -247,16 +241,15 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   Client& client = **opened;
   const std::uint32_t frames = frame_count(*recording, playback_of(options));
   auto placing = place_meanwhile(options, client.scene, std::move(*recording));
-  auto tracing = open_tracers_meanwhile(options, options.mode.mode, client);
-  open_renderer(client, renderer_limits(options));
-  stages.end("renderer");
   const FrameSettings settings{
       .request = options.request, .reprojection = options.reprojection, .report = report_of(options)};
-  if (compiles_ahead(options, frames))
-    compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
-  stages.end("pipelines");
-  if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
-  stages.end("tracers");
+  const auto compile = [&] {
+    if (compiles_ahead(options, frames))
+      compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
+  };
+  if (auto done = open_drawing(options, options.mode.mode, client, renderer_limits(options), stages, compile);
+      !done)
+    return tl::unexpected(done.error());
   Expected<PlacedHead> head = placing.get();
   if (!head) return tl::unexpected(head.error());
   stages.end("head");
@@ -267,9 +260,7 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
 
 Expected<void> run_client(const Options& options, StopSignal& stop) {
   Stages stages(kSteadyClock);
-  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
-  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
-    return done;
+  if (auto done = RunOutputs::prepare(options); !done) return done;
   Expected<OpenedRun> opened = open_run(options, stages);
   if (!opened) return tl::unexpected(opened.error());
   auto& [owner, head, frames, settings] = *opened;

@@ -188,9 +188,16 @@ Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
   return measures ? open_reference(client) : Expected<void>{};
 }
 
-std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode mode, Client& client) {
-  return std::async(std::launch::async,
-                    [&options, mode, &client] { return open_tracers(options, mode, client); });
+Expected<void> open_drawing(const Options& options, Mode mode, Client& client, const RendererLimits& limits,
+                            Stages& stages, const std::function<void()>& compile) {
+  auto tracing = std::async(std::launch::async, [&] { return open_tracers(options, mode, client); });
+  open_renderer(client, limits);
+  stages.end("renderer");
+  compile();
+  stages.end("pipelines");
+  Expected<void> done = tracing.get();
+  stages.end("tracers");
+  return done;
 }
 
 namespace {

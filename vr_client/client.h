@@ -82,10 +82,10 @@ void open_renderer(Client& client, const RendererLimits& limits);
 /// rays as the server, and the reference if the options measure frames.
 [[nodiscard]] Expected<void> open_tracers(const Options& options, Mode mode, Client& client);
 
-/// The same on a thread of its own, which alone uses the two tracers of `client` until the future is ready.
-/// The future's destructor waits.
-[[nodiscard]] std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode mode,
-                                                                 Client& client);
+/// Creates the renderer, then calls `compile`; and creates the tracers meanwhile.
+[[nodiscard]] Expected<void> open_drawing(
+    const Options& options, Mode mode, Client& client, const RendererLimits& limits, Stages& stages,
+    const std::function<void()>& compile = [] {});
 
 /// Opens the socket and a session with the server, if mode and scene need one. Of the addresses of a name,
 /// the first that answers is used. A server that does not answer causes a warning, and the link keeps trying

@@ -13,7 +13,6 @@
 #include "vr_client/placed_head.h"
 #include "vr_client/preview/headset_controls.h"
 #include "vr_client/preview/recordings.h"
-#include "vr_client/report/own_files.h"
 #include "vr_client/run_outputs.h"
 #include "vr_client/summarize.h"
 
@@ -114,15 +113,12 @@ Options options_for(const Options& given, const HeadsetSystem& system, const Win
 Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
   if (!client) return client;
-  auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
-  open_renderer(**client, renderer_limits(options));
-  stages.end("renderer");
-  if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.reprojection, report_of(options), Changes::Possible);
-  stages.end("pipelines");
-  if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
-  stages.end("tracers");
-  return client;
+  const auto compile = [&] {
+    if (draws_scene(options.mode.mode))
+      compile_ahead(**client, options.reprojection, report_of(options), Changes::Possible);
+  };
+  return open_drawing(options, options.mode.mode, **client, renderer_limits(options), stages, compile)
+      .map([&] { return std::move(*client); });
 }
 
 /// Runs the frame loop. A device that is lost or has no memory is an error like any other, so that what the
@@ -175,9 +171,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   Stages stages(kSteadyClock);
   spdlog::info("the headset is {}: {}x{} pixels an eye", system.name(), options.size.width,
                options.size.height);
-  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
-  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
-    return done;
+  if (auto done = RunOutputs::prepare(options); !done) return done;
   const Expected<std::unique_ptr<Client>> opened = open_for(options, stages);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;

@@ -340,14 +340,13 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   const std::future<void> judging =
       *recording ? std::future<void>() : judge_start_meanwhile(options, (*client)->scene);
   if (*recording) placing = place_meanwhile(options, (*client)->scene, **std::move(recording));
-  auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
-  open_renderer(**client, renderer_limits(options));
-  stages.end("renderer");
-  if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.reprojection, PixelReport::Off, Changes::Possible, tell);
-  stages.end("pipelines");
-  if (auto done = tracing.get(); !done) return done;
-  stages.end("tracers");
+  const auto compile = [&] {
+    if (draws_scene(options.mode.mode))
+      compile_ahead(**client, options.reprojection, PixelReport::Off, Changes::Possible, tell);
+  };
+  const Mode mode = options.mode.mode;
+  if (auto done = open_drawing(options, mode, **client, renderer_limits(options), stages, compile); !done)
+    return done;
 
   std::optional<PlacedHead> head;
   if (placing.valid()) {

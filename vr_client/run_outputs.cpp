@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "stereo/base/files.h"
+#include "vr_client/report/own_files.h"
 
 namespace farshade {
 
@@ -17,6 +18,12 @@ RunReportOptions report_options(const Options& options, std::uint32_t frames, Co
 
 PixelReport report_of(const Options& options) {
   return report_options(options, 0, Compare::AtOnce).measures_any() ? PixelReport::On : PixelReport::Off;
+}
+
+Expected<void> RunOutputs::prepare(const Options& options) {
+  return CaptureWriter::may_create(options.record)
+      .and_then([&] { return make_folder(options.out); })
+      .and_then([&] { return remove_own_files(options.out); });
 }
 
 RunOutputs::RunOutputs(const Options& options, Client& client, Stages& stages,

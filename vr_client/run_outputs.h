@@ -17,6 +17,9 @@ namespace farshade {
 
 class RunOutputs {
  public:
+  /// Makes the output folder, without the files of an earlier run. Unavailable if the capture exists already.
+  [[nodiscard]] static Expected<void> prepare(const Options& options);
+
   /// Without `measuring` the run has no figures and no pictures. Keeps the references; the client has a
   /// renderer, and a reference if frames are measured.
   RunOutputs(const Options& options, Client& client, Stages& stages,
