@@ -35,14 +35,19 @@ HeadPlayback playback_of(const Options& options, const Rigid<Stage, Recorded>& s
 }
 
 Expected<HeadRecording> load_head(const Options& options) {
-  Expected<HeadRecording> head = load_head_recording(options.trace, {options.trace_scale});
-  if (head && duration_from_ms(options.skip_s * 1e3) > head->end() - head->start())
+  Expected<HeadRecording> head = load_head_recording(options.trace, options.trace_reading);
+  if (!head) return head;
+  if (duration_from_ms(options.skip_s * 1e3) > head->end() - head->start())
     return fail(Fault::OutOfRange,
                 fmt::format("--skip {:g} skips all of {}, which is {:g} s long", options.skip_s,
                             options.trace.string(), seconds_of(head->end() - head->start())));
-  if (head && head->rows_left_out > 0)
-    spdlog::warn("{}: skipped {} rows whose time stamps repeat or run backwards", options.trace.string(),
-                 head->rows_left_out);
+  if (const std::uint32_t frames = frame_count(*head, playback_of(options));
+      frames < options.frames.value_or(0))
+    return fail(Fault::OutOfRange,
+                fmt::format("--frames {}: {} has only {} frames at {:g} Hz{}", *options.frames,
+                            options.trace.string(), frames, options.refresh_hz,
+                            options.skip_s > 0 ? fmt::format(" after --skip {:g}", options.skip_s) : ""));
+  tell_how_read(*head);
   return head;
 }
 
@@ -134,8 +139,9 @@ Expected<void> check_capture(const CaptureHeader& header, const Options& options
 }  // namespace
 
 Expected<void> export_head_recording(const Options& options) {
-  const Expected<HeadRecording> head = load_head_recording(options.trace, {options.trace_scale});
+  const Expected<HeadRecording> head = load_head_recording(options.trace, options.trace_reading);
   if (!head) return tl::unexpected(head.error());
+  tell_how_read(*head);
   const std::filesystem::path kind = options.export_trace.extension();
   if (kind == ".csv") return write_file_atomically(options.export_trace, euroc_text(*head));
   if (kind == ".tum" || kind == ".txt") return write_file_atomically(options.export_trace, tum_text(*head));

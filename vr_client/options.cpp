@@ -68,14 +68,43 @@ Words<Mode> modes() {
   return named;
 }
 
+/// What a head recording does not state itself, or states wrongly.
+void add_trace_reading_options(CLI::App& app, HeadFileOptions& reading) {
+  app.add_option("--trace-scale", reading.units_a_metre,
+                 "units per metre of the head recording, if its format does not define them")
+      ->check(within(1e-6, 1e6));
+  app.add_option_function<std::string>(
+         "--trace-axes",
+         [&reading](const std::string& name) {
+           Expected<Axes> axes = parse_axes(name);
+           if (!axes) throw CLI::ValidationError("--trace-axes", axes.error().what);
+           reading.axes = std::move(*axes);
+         },
+         "axes of the head recording: openxr, ros, optical, euroc-imu, unity, unreal or ned, or WORLD/HEAD, "
+         "as in "
+         "ros/optical (default: openxr, and recordings that are tilted on the whole are levelled)")
+      ->type_name("AXES");
+  add_words<std::optional<TimeUnit>>(
+      app, "--trace-units", reading.unit,
+      {{"s", TimeUnit::Seconds},
+       {"ms", TimeUnit::Milliseconds},
+       {"us", TimeUnit::Microseconds},
+       {"ns", TimeUnit::Nanoseconds}},
+      "unit of the head recording's time stamps (default: as it states, or by its sample rate)");
+  add_words<std::optional<QuaternionOrder>>(
+      app, "--trace-quaternion", reading.order,
+      {{"wxyz", QuaternionOrder::Wxyz}, {"xyzw", QuaternionOrder::Xyzw}},
+      "order of the head recording's quaternions (default: as its layout has it)");
+}
+
 void add_scene_options(CLI::App& app, CommandLine& line) {
   Options& options = line.options;
   app.add_option("--scene", options.scene,
                  "glTF scene (.gltf or .glb); without it, the client fetches the server's scene");
-  app.add_option("--trace", options.trace, "head recording: EuRoC/ASL CSV, TUM or EyeNavGS CSV");
-  app.add_option("--trace-scale", options.trace_scale,
-                 "units per metre of the head recording, if its format does not define them")
-      ->check(within(1e-6, 1e6));
+  app.add_option("--trace", options.trace,
+                 "head recording: EuRoC/ASL CSV, TUM, EyeNavGS CSV, or a table with column names "
+                 "(docs/head-recordings.md)");
+  add_trace_reading_options(app, options.trace_reading);
   add_words<Place>(
       app, "--place", options.place,
       {{"auto", Place::Auto}, {"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}},
@@ -255,15 +284,16 @@ void check_fetch(const Options& options) {
 
 /// A replay takes these options from its capture, or does not need them.
 constexpr std::array kNotInReplay{
-    "--trace-scale",  "--place",  "--stand", "--size",      "--detail-px",   "--frames",   "--skip",
+    "--trace-scale", "--trace-axes", "--trace-units", "--trace-quaternion", "--place",  "--stand", "--size",      "--detail-px",   "--frames",   "--skip",
     "--refresh",      "--server", "--key",   "--insecure",  "--net",         "--mode",     "--bitrate",
     "--shadow-maps",  "--clock",  "--delay", "--predictor", "--guard-band",  "--ask",      "--mask-every",
     "--reprojection", "--edges",  "--xr",    "--xr-scale",  "--record-head", "--mask-code"};
 
 /// The headset or its runtime gives these.
-constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",
-                                   "--skip",    "--refresh",     "--clock",       "--delay",
-                                   "--preview", "--replay",      "--export-trace"};
+constexpr std::array kNotInHeadset{
+    "--trace", "--trace-scale", "--trace-axes", "--trace-units", "--trace-quaternion",
+    "--place", "--size",        "--skip",       "--refresh",     "--clock",
+    "--delay", "--preview",     "--replay",     "--export-trace"};
 
 /// Throws a CLI::ParseError if an option does not go with --xr.
 void check_headset(const CLI::App& app, Options& options) {

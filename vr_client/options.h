@@ -9,6 +9,7 @@
 #include "stereo/base/expected.h"
 #include "stereo/base/extent.h"
 #include "stereo/gpu/device_options.h"
+#include "stereo/head/reader.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/reproject/reprojection.h"
 #include "stereo/scene/lighting.h"
@@ -41,8 +42,7 @@ struct Options {
   std::optional<SceneHash> served;  ///< the scene was fetched: its hash with its lighting, by the server
   std::filesystem::path trace, out = "out";
   std::filesystem::path export_trace;  ///< not empty: only write the head recording to this file
-  std::optional<double>
-      trace_scale;  ///< units per metre of the head recording, if its format does not define them
+  HeadFileOptions trace_reading;       ///< what the user knows better than the head recording
   Place place = Place::Auto;
   std::optional<StartPose> start_pose;  ///< instead of the scene's viewpoint
   Lighting lighting;

@@ -171,6 +171,11 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
 
 }  // namespace
 
+void tell_how_read(const HeadRecording& recording) {
+  spdlog::info(recording.read_as);
+  if (!recording.doubt.empty()) spdlog::warn("the head recording is doubtful: {}", recording.doubt);
+}
+
 Expected<PlacedHead> place_head(const Options& options, const Scene& scene, const HeadRecording& recording) {
   const Expected<Surroundings> surroundings = Surroundings::create(scene);
   if (!surroundings && options.place == Place::Fit)

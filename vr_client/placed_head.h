@@ -18,6 +18,10 @@ struct PlacedHead {
   std::optional<Exposure> exposure{};  ///< chosen for the scene, unless it is too large
 };
 
+/// Logs what the reader of the recording found and assumed, and warns of rows that it left out and of heads
+/// that are not upright.
+void tell_how_read(const HeadRecording& recording);
+
 /// Places the recording and logs how and why, with the share of the shown poses that are inside geometry or
 /// see nothing (stereo/placement/head_test.h), and what is wrong with the light there
 /// (stereo/exposure/picture_check.h). Warns above 5 %. Fails if --place fit finds no free space.

@@ -1,8 +1,8 @@
 /// EyeNavGS (Ding et al., arXiv 2506.02380, 2025): one row per eye, alternating left and right, both with the
 /// rotation of the head. The head is midway between the eyes; the eye distance is the median distance of all
 /// pairs. The pose of a pair was sampled once and logged in two rows about 6 ms apart, so the stamp of the
-/// left row is used. A last left row without a right row is ignored. The sign tells which vertical fov angle
-/// is up and which is down.
+/// left row is used. A last left row without a right row is ignored, and a bad row is left out with its pair.
+/// The sign tells which vertical fov angle is up and which is down.
 #include <algorithm>
 #include <array>
 
@@ -14,7 +14,6 @@ namespace farshade::formats {
 namespace {
 
 constexpr std::size_t kColumns = 20, kStampColumn = 19;
-constexpr int kMillisecondDigits = 6;
 
 struct EyeRow {
   rows::Place place;
@@ -22,7 +21,8 @@ struct EyeRow {
   EyeFov fov;
   glm::dvec3 position{0.0};
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
-  std::int64_t stamp_ns = 0;
+  std::string_view stamp;
+  double stamp_ms = 0;
 };
 
 Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Place place) {
@@ -35,7 +35,7 @@ Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Pla
     if (!value) return tl::unexpected(value.error());
     v[i] = *value;
   }
-  const Expected<std::int64_t> stamp = rows::nanoseconds(fields[kStampColumn], kMillisecondDigits, place);
+  const Expected<double> stamp = rows::number(fields[kStampColumn], place);
   if (!stamp) return tl::unexpected(stamp.error());
   if (v[0] != 0.0 && v[0] != 1.0)
     return rows::fail_at(place, Fault::Malformed, "ViewIndex is neither 0 nor 1");
@@ -48,7 +48,8 @@ Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Pla
                 .fov = {.left_rad = v[1], .right_rad = v[2], .up_rad = up, .down_rad = down},
                 .position = {v[5], v[6], v[7]},
                 .rotation = glm::dquat(v[11], v[8], v[9], v[10]),
-                .stamp_ns = *stamp};
+                .stamp = fields[kStampColumn],
+                .stamp_ms = *stamp};
 }
 
 /// The recording while it is read, pair by pair.
@@ -61,7 +62,7 @@ struct Pairs {
 Expected<void> add_pair(const EyeRow& left, const EyeRow& right, Pairs& pairs) {
   if (left.rotation != right.rotation)
     return rows::fail_at(right.place, Fault::Malformed, "the pair's rows do not share one quaternion");
-  if (right.stamp_ns < left.stamp_ns)
+  if (right.stamp_ms < left.stamp_ms)
     return rows::fail_at(right.place, Fault::Malformed, "time stamp lies before that of the pair's left row");
   const PerEye<EyeFov> fov{left.fov, right.fov};
   if (pairs.distances.empty()) pairs.fov = fov;
@@ -70,33 +71,49 @@ Expected<void> add_pair(const EyeRow& left, const EyeRow& right, Pairs& pairs) {
   const glm::dvec3 across = right.position - left.position;
   pairs.distances.push_back(glm::length(across));
   pairs.rightward.push_back(glm::dot(across, left.rotation * glm::dvec3(1, 0, 0)));
-  return pairs.samples.add(left.place, left.stamp_ns, 0.5 * (left.position + right.position), left.rotation);
+  return pairs.samples.add(left.place, left.stamp, 0.5 * (left.position + right.position), left.rotation);
 }
 
 }  // namespace
 
-Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view name, double units_a_metre) {
-  Pairs pairs{.samples = SampleList(units_a_metre), .distances = {}, .rightward = {}, .fov = {}};
+Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view name, double units_a_metre,
+                                      const HeadFileOptions& options) {
+  Pairs pairs;
   rows::Lines lines(text, name);
   std::string_view line;
   (void)lines.next(line);  // the column names, which identified the format
   std::vector<std::string_view> fields;
-  EyeRow left;
-  for (std::size_t expected = 0; lines.next(line); expected = 1 - expected) {
+  std::optional<EyeRow> left;
+  while (lines.next(line)) {
     rows::split(line, ',', fields);
-    const Expected<EyeRow> row = read_row(fields, lines.place());
-    if (!row) return tl::unexpected(row.error());
-    if (row->view != expected)
-      return rows::fail_at(row->place, Fault::Malformed, "left and right rows should alternate");
-    if (expected == 0) {
+    Expected<EyeRow> row = read_row(fields, lines.place());
+    const bool is_next = row && row->view == (left ? 1u : 0u);
+    if (row && !is_next)
+      row = rows::fail_at(row->place, Fault::Malformed, "left and right rows should alternate");
+    if (!row) {
+      pairs.samples.leave_out(row.error());
+      left.reset();
+    } else if (!left) {
       left = *row;
-    } else if (const Expected<void> added = add_pair(left, *row, pairs); !added) {
-      return tl::unexpected(added.error());
+    } else {
+      if (const Expected<void> added = add_pair(*left, *row, pairs); !added)
+        pairs.samples.leave_out(added.error());
+      left.reset();
     }
   }
   if (quantile(pairs.rightward, 0.5) < 0)
     return fail(Fault::Malformed, std::string(name) + ": the right eye lies left of the left eye");
-  return std::move(pairs.samples).finish(name, quantile(pairs.distances, 0.5) / units_a_metre, pairs.fov);
+  return std::move(pairs.samples)
+      .finish({.file = name,
+               .format = "EyeNavGS",
+               .units_a_metre = units_a_metre,
+               .usual_unit = TimeUnit::Milliseconds,
+               .unit = TimeUnit::Milliseconds,
+               .order_read = QuaternionOrder::Xyzw,
+               .states_order = true,
+               .eye_distance_m = quantile(pairs.distances, 0.5) / units_a_metre,
+               .fov = pairs.fov},
+              options);
 }
 
 }  // namespace farshade::formats

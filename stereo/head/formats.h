@@ -15,11 +15,9 @@ inline constexpr std::string_view kEurocColumns =
     "timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
 inline constexpr std::string_view kTumColumns = "timestamp tx ty tz qx qy qz qw";
 
-[[nodiscard]] Expected<HeadRecording> read_euroc(std::string_view text, std::string_view name,
-                                                 double units_a_metre);
-[[nodiscard]] Expected<HeadRecording> read_tum(std::string_view text, std::string_view name,
-                                               double units_a_metre);
+[[nodiscard]] Expected<HeadRecording> read_table(std::string_view text, std::string_view name,
+                                                 double units_a_metre, const HeadFileOptions& options);
 [[nodiscard]] Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view name,
-                                                    double units_a_metre);
+                                                    double units_a_metre, const HeadFileOptions& options);
 
 }  // namespace farshade::formats

@@ -1,6 +1,7 @@
 /// HeadRecording: recorded head poses, in metres and nanoseconds, with eye distance and fov of the headset.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "stereo/base/clock.h"
@@ -22,6 +23,9 @@ struct HeadRecording {
   double eye_distance_m = kDefaultEyeDistance_m;
   PerEye<EyeFov> fov;
   std::size_t rows_left_out = 0;  ///< rows of the file with repeated or backward stamps
+  std::size_t bad_rows = 0;       ///< rows of the file that are no pose: cut off, lost tracking, no numbers
+  std::string read_as;  ///< a sentence about what the reader found and assumed; empty if no file was read
+  std::string doubt;    ///< why the recording may be read wrongly, or what is missing; empty: nothing is odd
 
   [[nodiscard]] Time start() const { return samples.front().time; }
   [[nodiscard]] Time end() const { return samples.back().time; }

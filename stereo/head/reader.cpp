@@ -9,18 +9,26 @@
 namespace farshade {
 namespace {
 
-enum class Format { Euroc, Tum, EyeNavGs };
-
-/// Detects the format by the first line that is not a comment. A file with only comments is an empty EuRoC
-/// file.
-Format format_of(std::string_view text) {
+bool is_eyenavgs(std::string_view text) {
   rows::Lines lines(text, "");
-  for (std::string_view line; lines.next(line);) {
-    if (line.starts_with("ViewIndex,")) return Format::EyeNavGs;
-    if (line.front() != '#') return line.find(',') == line.npos ? Format::Tum : Format::Euroc;
-  }
-  return Format::Euroc;
+  std::string_view line;
+  while (lines.next(line))
+    if (!is_comment(line)) return line.starts_with("ViewIndex,");
+  return false;
 }
+
+/// How files begin that are no text in UTF-8.
+struct Signature {
+  std::string_view start, what;
+};
+constexpr Signature kSignatures[] = {{"\xFF\xFE", "UTF-16 text: save it as UTF-8"},
+                                     {"\xFE\xFF", "UTF-16 text: save it as UTF-8"},
+                                     {"{", "JSON"},
+                                     {"[", "JSON"},
+                                     {"#ROSBAG", "a ROS bag"},
+                                     {"SQLite format 3", "a database, perhaps a ROS 2 bag"},
+                                     {"PK\x03\x04", "a ZIP archive or a spreadsheet"},
+                                     {"\x93NUMPY", "a NumPy array"}};
 
 struct KnownScale {
   std::string_view name_part;
@@ -28,12 +36,12 @@ struct KnownScale {
 };
 constexpr KnownScale kKnownScales[] = {{"eyenavgs_truck", 0.76}, {"eyenavgs_room", 2.0}};
 
-Expected<double> scale_of(Format format, std::string_view name, std::optional<double> units_a_metre) {
-  if (units_a_metre) {
-    if (std::isfinite(*units_a_metre) && *units_a_metre > 0) return *units_a_metre;
+Expected<double> scale_of(bool eyenavgs, std::string_view name, const HeadFileOptions& options) {
+  if (const std::optional<double> given = options.units_a_metre) {
+    if (std::isfinite(*given) && *given > 0) return *given;
     return fail(Fault::OutOfRange, "the scene scale of a recording must be a positive number");
   }
-  if (format != Format::EyeNavGs) return 1.0;
+  if (!eyenavgs) return options.axes ? options.axes->units_a_metre : 1.0;
   for (const KnownScale& known : kKnownScales)
     if (name.find(known.name_part) != name.npos) return known.units_a_metre;
   return fail(Fault::Unsupported,
@@ -42,45 +50,27 @@ Expected<double> scale_of(Format format, std::string_view name, std::optional<do
                   "of its units are a metre (0.76 in its scene truck, 2 in room)");
 }
 
-/// Refuses a table whose first row has semicolons, as spreadsheets write it in many languages.
-Expected<void> check_separator(std::string_view text, std::string_view name) {
-  rows::Lines lines(text, name);
-  for (std::string_view line; lines.next(line);) {
-    if (line.front() == '#') continue;
-    if (line.find(';') == line.npos) return {};
-    return rows::fail_at(
-        lines.place(), Fault::Unsupported,
-        "the columns are separated by semicolons: separate them by commas, and write decimals "
-        "with a point");
-  }
-  return {};
-}
-
 }  // namespace
 
 Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_view name,
-                                             std::optional<double> units_a_metre) {
-  if (const Expected<void> sound = check_separator(text, name); !sound) return tl::unexpected(sound.error());
-  const Format format = format_of(text);
-  const Expected<double> scale = scale_of(format, name, units_a_metre);
+                                             const HeadFileOptions& options) {
+  for (const Signature& signature : kSignatures)
+    if (text.starts_with(signature.start))
+      return fail(Fault::Unsupported,
+                  std::string(name) + ": is no table of head poses but " + std::string(signature.what));
+  const bool eyenavgs = is_eyenavgs(text);
+  const Expected<double> scale = scale_of(eyenavgs, name, options);
   if (!scale) return tl::unexpected(scale.error());
-  switch (format) {
-    case Format::Tum:
-      return formats::read_tum(text, name, *scale);
-    case Format::EyeNavGs:
-      return formats::read_eyenavgs(text, name, *scale);
-    case Format::Euroc:
-      break;
-  }
-  return formats::read_euroc(text, name, *scale);
+  return eyenavgs ? formats::read_eyenavgs(text, name, *scale, options)
+                  : formats::read_table(text, name, *scale, options);
 }
 
 Expected<HeadRecording> load_head_recording(const std::filesystem::path& path,
-                                            std::optional<double> units_a_metre) {
+                                            const HeadFileOptions& options) {
   const Expected<std::vector<std::byte>> bytes = read_file(path, kMaxRecordingBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  return parse_head_recording(text, path.filename().string(), units_a_metre);
+  return parse_head_recording(text, path.filename().string(), options);
 }
 
 }  // namespace farshade

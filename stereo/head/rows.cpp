@@ -41,9 +41,10 @@ Lines::Lines(std::string_view text, std::string_view file) : rest_(text), place_
 
 bool Lines::next(std::string_view& line) {
   while (!rest_.empty()) {
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
     line = trimmed(rest_.substr(0, end));
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    rest_.remove_prefix(end);
+    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
     ++place_.line;
     if (!line.empty()) return true;
   }

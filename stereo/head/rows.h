@@ -18,7 +18,7 @@ struct Place {
 
 [[nodiscard]] tl::unexpected<Error> fail_at(Place place, Fault fault, const std::string& what);
 
-/// Iterates over the lines of a text. Lines end with LF or CRLF; a byte order mark is skipped.
+/// Iterates over the lines of a text. Lines end with LF, CRLF or CR; a byte order mark is skipped.
 class Lines {
  public:
   Lines(std::string_view text, std::string_view file);

@@ -1,10 +1,12 @@
 #include "stereo/head/samples.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
-#include "stereo/head/reader.h"
+#include "stereo/head/plausible.h"
 
 namespace farshade {
 namespace {
@@ -33,44 +35,111 @@ void keep_growing(std::vector<HeadSample>& samples) {
   samples = std::move(growing);
 }
 
+double median_hz(const std::vector<HeadSample>& samples) {
+  std::vector<double> stamps;
+  for (const HeadSample& sample : samples) stamps.push_back(static_cast<double>(ns_of(sample.time)));
+  return rate_hz(stamps, TimeUnit::Nanoseconds);
+}
+
+Expected<void> check_headset(const FileFacts& facts) {
+  if (!(facts.eye_distance_m >= 0.0 && facts.eye_distance_m <= 1.0))
+    return fail(Fault::OutOfRange, fmt::format("{}: eye distance of {:f} m is outside 0..1 m", facts.file,
+                                               facts.eye_distance_m));
+  for (const Side side : kSides)
+    if (!is_valid(facts.fov[index_of(side)]))
+      return fail(Fault::OutOfRange, fmt::format("{}: fov of the {} eye is empty or beyond 89.5 degrees",
+                                                 facts.file, name_of(side)));
+  return {};
+}
+
 }  // namespace
 
-Expected<void> SampleList::add(rows::Place place, std::int64_t stamp_ns, const glm::dvec3& position,
+std::string SampleList::dropped_rows(std::size_t all) const {
+  if (bad_ + backward_ == 0) return {};
+  std::string words = fmt::format("{} of {} rows ({:.1f} %) are left out", bad_ + backward_, all,
+                                  100.0 * static_cast<double>(bad_ + backward_) / static_cast<double>(all));
+  if (bad_ > 0) words += fmt::format(": {} are no pose, the first is {}", bad_, first_bad_->what);
+  if (backward_ > 0)
+    words +=
+        fmt::format("{} {} have time stamps that repeat or run backwards", bad_ > 0 ? ";" : ":", backward_);
+  return words;
+}
+
+void SampleList::leave_out(Error why) {
+  ++bad_;
+  if (!first_bad_) first_bad_ = std::move(why);
+}
+
+Expected<void> SampleList::add(rows::Place place, std::string_view stamp, const glm::dvec3& position,
                                const glm::dquat& rotation) {
+  const Expected<double> time = rows::number(stamp, place);
+  if (!time) return tl::unexpected(time.error());
   const double norm = glm::length(rotation), off_unit = std::abs(norm - 1.0);
   if (!(off_unit <= kUnitTolerance))
     return rows::fail_at(place, Fault::Malformed,
                          "quaternion has length " + std::to_string(norm) + " instead of 1");
-  const glm::dvec3 position_m = position / units_a_metre_;
-  if (!(glm::length(position_m) <= kFarthestHead_m))
-    return rows::fail_at(place, Fault::OutOfRange, "head is more than 1e9 m from the origin");
   // A rotation that is unit up to rounding stays unchanged, so that a written recording reads back bit for
   // bit.
-  recording_.samples.push_back(
-      {time_from_ns(stamp_ns), {off_unit < 1e-15 ? rotation : rotation / norm, position_m}});
+  rows_.push_back({place.line, stamp, {off_unit < 1e-15 ? rotation : rotation / norm, position}});
+  stamps_.push_back(*time);
   return {};
 }
 
-Expected<HeadRecording> SampleList::finish(std::string_view file, double eye_distance_m,
-                                           const PerEye<EyeFov>& fov) && {
-  const std::string name(file);
-  const std::size_t rows = recording_.samples.size();
-  keep_growing(recording_.samples);
-  recording_.rows_left_out = rows - recording_.samples.size();
-  if (recording_.samples.size() < kFewestSamples)
-    return fail(Fault::Malformed, name + ": holds " + std::to_string(recording_.samples.size()) +
-                                      " head samples in time order, at least " +
-                                      std::to_string(kFewestSamples) + " are needed");
-  if (!(eye_distance_m >= 0.0 && eye_distance_m <= 1.0))
-    return fail(Fault::OutOfRange,
-                name + ": eye distance of " + std::to_string(eye_distance_m) + " m is outside 0..1 m");
-  for (const Side side : kSides)
-    if (!is_valid(fov[index_of(side)]))
-      return fail(Fault::OutOfRange,
-                  name + ": fov of the " + name_of(side) + " eye is empty or beyond 89.5 degrees");
-  recording_.eye_distance_m = eye_distance_m;
-  recording_.fov = fov;
-  return std::move(recording_);
+Expected<std::vector<HeadSample>> SampleList::timed(const FileFacts& facts, TimeUnit unit) {
+  std::vector<HeadSample> samples;
+  for (const auto& [line, stamp, pose] : rows_) {
+    const rows::Place place{facts.file, line};
+    const Expected<std::int64_t> ns = rows::nanoseconds(stamp, static_cast<int>(unit), place);
+    const glm::dvec3 position_m = pose.translation / facts.units_a_metre;
+    if (!ns)
+      leave_out(ns.error());
+    else if (!(glm::length(position_m) <= kFarthestHead_m))
+      leave_out(rows::fail_at(place, Fault::OutOfRange, "head is more than 1e9 m from the origin").value());
+    else
+      samples.push_back({time_from_ns(*ns), {pose.rotation, position_m}});
+  }
+  const std::size_t rows = samples.size(), all = rows + bad_;
+  keep_growing(samples);
+  backward_ = rows - samples.size();
+  const std::string bad = first_bad_
+                              ? fmt::format("; {} of {} rows are no pose: {}", bad_, all, first_bad_->what)
+                              : std::string();
+  if (samples.size() < kFewestSamples)
+    return fail(first_bad_ ? first_bad_->fault : Fault::Malformed,
+                fmt::format("{}: holds {} head samples in time order, at least {} are needed{}", facts.file,
+                            samples.size(), kFewestSamples, bad));
+  if (2 * samples.size() < all)
+    return fail(Fault::Malformed, fmt::format("{}: only {} of {} rows are poses in time order{}", facts.file,
+                                              samples.size(), all, bad));
+  return samples;
+}
+
+Expected<HeadRecording> SampleList::finish(const FileFacts& facts, const HeadFileOptions& options) && {
+  const std::optional<TimeUnit> plausible = unit_of(stamps_, facts.usual_unit);
+  const std::optional<TimeUnit> known = options.unit ? options.unit : facts.unit;
+  const TimeUnit unit = known ? *known : plausible.value_or(facts.usual_unit);
+  Expected<std::vector<HeadSample>> samples = timed(facts, unit);
+  // A wrong unit of time may be the reason that samples fall on one nanosecond.
+  const double stamps_hz = rate_hz(stamps_, unit);
+  const Expected<void> sound_stamps = check_rate(stamps_hz, facts, unit, plausible);
+  if (!samples && stamps_hz > 0 && !sound_stamps) return tl::unexpected(sound_stamps.error());
+  if (!samples) return tl::unexpected(samples.error());
+  HeadRecording recording{.samples = std::move(*samples),
+                          .eye_distance_m = facts.eye_distance_m,
+                          .fov = facts.fov,
+                          .rows_left_out = backward_,
+                          .bad_rows = bad_,
+                          .read_as = {},
+                          .doubt = {}};
+  if (const Expected<void> sound = check_rate(median_hz(recording.samples), facts, unit, plausible); !sound)
+    return tl::unexpected(sound.error());
+  if (const Expected<void> sound = check_headset(facts); !sound) return tl::unexpected(sound.error());
+  const Uprightness upright = make_upright(recording.samples, facts, options);
+  recording.read_as = read_as(recording, facts, options, unit, upright);
+  recording.doubt = dropped_rows(recording.samples.size() + backward_ + bad_);
+  if (!upright.doubt.empty())
+    recording.doubt.append(recording.doubt.empty() ? "" : "; ").append(upright.doubt);
+  return recording;
 }
 
 }  // namespace farshade

@@ -118,7 +118,7 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.dump, (std::vector<std::uint32_t>{3, 5}));
   EXPECT_EQ(options.out, "there");
   EXPECT_EQ(options.place, Place::Recorded);
-  EXPECT_EQ(options.trace_scale, 0.76);
+  EXPECT_EQ(options.trace_reading.units_a_metre, 0.76);
   EXPECT_EQ(options.reference_every, 0u);
   EXPECT_EQ(options.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);

@@ -35,7 +35,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 HeadRecording good(const std::string& text, std::optional<double> units_a_metre = {},
                    const std::string& name = "t.csv") {
-  const auto recording = parse_head_recording(text, name, units_a_metre);
+  const auto recording = parse_head_recording(text, name, {.units_a_metre = units_a_metre});
   EXPECT_TRUE(recording) << (recording ? "" : recording.error().what);
   return recording.value_or(HeadRecording{});
 }
@@ -43,7 +43,7 @@ HeadRecording good(const std::string& text, std::optional<double> units_a_metre 
 /// Returns the sentence of the refusal. Expects that it contains `named`.
 void expect_refused(const std::string& text, Fault fault, const std::string& named,
                     std::optional<double> units_a_metre = {}) {
-  const auto recording = parse_head_recording(text, "t.csv", units_a_metre);
+  const auto recording = parse_head_recording(text, "t.csv", {.units_a_metre = units_a_metre});
   ASSERT_FALSE(recording) << named;
   EXPECT_EQ(recording.error().fault, fault) << recording.error().what;
   EXPECT_NE(recording.error().what.find(named), std::string::npos) << recording.error().what;
@@ -92,10 +92,11 @@ TEST(TumRead, HasSecondsAndTheScalarLast) {
 }
 
 TEST(TumRead, HandlesTimeBeforeZeroAndItsLimits) {
-  const HeadRecording recording = good("-1.5 0 0 0 0 0 0 1\n-0.0000000015 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n");
-  EXPECT_EQ(ns_of(recording.samples[0].time), -1'500'000'000);
+  const HeadRecording recording =
+      good("-0.5 0 0 0 0 0 0 1\n-0.0000000015 0 0 0 0 0 0 1\n0.7 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(ns_of(recording.samples[0].time), -500'000'000);
   EXPECT_EQ(ns_of(recording.samples[1].time), -2);
-  EXPECT_EQ(ns_of(recording.samples[2].time), 7'000'000'000);
+  EXPECT_EQ(ns_of(recording.samples[2].time), 700'000'000);
   expect_refused("4611686018427387905 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
   expect_refused("1e300 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
   expect_refused("4611686018427387904.5,0,0,0,1,0,0,0\n", Fault::OutOfRange, "t.csv:1");
@@ -187,11 +188,12 @@ TEST(HeadRecordingRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
 
 TEST(HeadRecordingRead, LosesOneRowToOneStampThatRanAhead) {
   std::string text;
-  for (int i = 0; i < 20; ++i) text += std::to_string(i == 4 ? 3'600'000 : i) + ",0,0,0,1,0,0,0\n";
+  for (int i = 0; i < 20; ++i)
+    text += std::to_string(10'000'000LL * (i == 4 ? 3'600 : i)) + ",0,0,0,1,0,0,0\n";
   const HeadRecording recording = good(text);
   EXPECT_EQ(recording.rows_left_out, 1u);
   EXPECT_EQ(recording.samples.size(), 19u);
-  EXPECT_EQ(ns_of(recording.end()), 19);
+  EXPECT_EQ(ns_of(recording.end()), 190'000'000);
 }
 
 TEST(HeadRecordingRead, RefusesStampsThatRunBackwardAllTheWay) {

@@ -1,0 +1,62 @@
+#include "stereo/head/gravity.h"
+
+#include <cmath>
+#include <glm/matrix.hpp>
+
+namespace farshade {
+namespace {
+
+constexpr glm::dvec3 kRight{1, 0, 0}, kUp{0, 1, 0}, kAhead{0, 0, -1};
+
+/// The way that the head went, in its own axes.
+struct Walk {
+  glm::dvec3 net_m{0.0};
+  double path_m = 0;
+};
+
+Walk walk_of(std::span<const HeadSample> samples) {
+  Walk walk;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const Rigid<Recorded, Head>&from = samples[i - 1].recorded_from_head, &to = samples[i].recorded_from_head;
+    const glm::dvec3 step = glm::conjugate(from.rotation) * (to.translation - from.translation);
+    walk.net_m += step;
+    walk.path_m += glm::length(step);
+  }
+  return walk;
+}
+
+}  // namespace
+
+Posture posture_of(std::span<const HeadSample> samples, double most_off_rad) {
+  constexpr double kLeastWalk_m = 0.5, kSteady = 0.8, kCos60 = 0.5;
+  glm::dvec3 up{0.0};
+  for (const HeadSample& sample : samples) up += sample.recorded_from_head.rotation * kUp;
+  if (!(up.y > std::cos(most_off_rad) * glm::length(up))) return Posture::LiesDown;
+  const Walk walk = walk_of(samples);
+  const double net_m = glm::length(walk.net_m);
+  if (net_m < kLeastWalk_m || net_m < kSteady * walk.path_m) return Posture::Upright;
+  return glm::dot(walk.net_m, kAhead) > kCos60 * net_m ? Posture::WalksAhead : Posture::WalksAside;
+}
+
+glm::dquat levelling(std::span<const HeadSample> samples) {
+  // Minimises the mean of (up . right of a head)^2 + kPrior |up - y|^2. The prior is as strong as a roll of 6
+  // degrees.
+  constexpr double kPrior = 0.01;
+  glm::dmat3 rights(0.0);
+  for (const HeadSample& sample : samples) {
+    const glm::dvec3 right = sample.recorded_from_head.rotation * kRight;
+    rights += glm::outerProduct(right, right);
+  }
+  rights /= static_cast<double>(samples.size());
+  const glm::dvec3 up = glm::normalize(glm::inverse(rights + glm::dmat3(kPrior)) * kUp);
+  const glm::dvec3 axis = glm::cross(up, kUp);
+  return glm::normalize(glm::dquat(1.0 + glm::dot(up, kUp), axis.x, axis.y, axis.z));
+}
+
+void turn(std::span<HeadSample> samples, const glm::dquat& rotation) {
+  const glm::dvec3 centre = samples.front().recorded_from_head.translation;
+  for (auto& [time, pose] : samples)
+    pose = {glm::normalize(rotation * pose.rotation), centre + rotation * (pose.translation - centre)};
+}
+
+}  // namespace farshade

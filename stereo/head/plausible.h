@@ -1,0 +1,30 @@
+/// Judges whether samples are those of a head that is worn, makes them upright, and tells in words what was
+/// assumed.
+#pragma once
+
+#include "stereo/head/samples.h"
+
+namespace farshade {
+
+/// Refuses a sample rate beyond 1 to 10,000 Hz. `better`: a unit of time with a plausible rate, which the
+/// refusal names.
+[[nodiscard]] Expected<void> check_rate(double rate_hz, const FileFacts& facts, TimeUnit unit,
+                                        std::optional<TimeUnit> better);
+
+/// What make_upright did.
+struct Uprightness {
+  QuaternionOrder order = QuaternionOrder::Wxyz;
+  double levelled_rad = 0;
+  std::string doubt{};  ///< empty: the heads stand and walk as heads do
+};
+
+/// Gives the samples the axes of the stage, and levels them if nobody has stated the axes. If nobody has
+/// stated the order of the quaternions either, and only the other order is upright, takes that one.
+[[nodiscard]] Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& facts,
+                                       const HeadFileOptions& options);
+
+/// The sentence `HeadRecording::read_as`.
+[[nodiscard]] std::string read_as(const HeadRecording& recording, const FileFacts& facts,
+                                  const HeadFileOptions& options, TimeUnit unit, const Uprightness& upright);
+
+}  // namespace farshade
