@@ -37,7 +37,7 @@ class PositionMasks final : public RequestHandler {
       }
   }
 
-  void unpack(std::span<const std::byte> message, Version version) {
+  void unpack(std::span<const std::byte> message, ProtocolVersion version) {
     const Decoded<ClientMessage> decoded = decode_client(message, version);
     if (!decoded) return;
     const auto* const slice = std::get_if<PlaneSlice>(&*decoded);

@@ -17,8 +17,8 @@ namespace farshade {
 /// A request that is to be answered now.
 struct Job {
   SessionId session{};
-  KeyId key{};                         ///< of the session
-  Version version = kProtocolVersion;  ///< of the session
+  KeyId key{};                                 ///< of the session
+  ProtocolVersion version = kProtocolVersion;  ///< of the session
   FrameRequest request;
   Time arrived;
   std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced

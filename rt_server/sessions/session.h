@@ -120,7 +120,7 @@ class ClientSession {
   std::string name_;
   KeyId key_;
   SessionId id_;
-  Version version_;
+  ProtocolVersion version_;
   PublicKey hello_;
   std::vector<std::byte> accept_;
   Opener opener_;

@@ -33,7 +33,7 @@ void FramePacker::sort_from(std::size_t first) {
   std::ranges::move(sorted, datagrams_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-void FramePacker::begin(std::size_t most_bytes, Version version) {
+void FramePacker::begin(std::size_t most_bytes, ProtocolVersion version) {
   most_bytes_ = most_bytes;
   version_ = version;
   datagrams_.clear();

@@ -18,7 +18,7 @@ class FramePacker {
   /// Begins another answer. Its messages have at most `most_bytes`, which are kBaseMessage_bytes to
   /// kMaxMessage_bytes; those of a coded picture have at most kBaseMessage_bytes. `version` is that of the
   /// session.
-  void begin(std::size_t most_bytes = kBaseMessage_bytes, Version version = kProtocolVersion);
+  void begin(std::size_t most_bytes = kBaseMessage_bytes, ProtocolVersion version = kProtocolVersion);
 
   /// Adds slices from the middle row of the views outwards, so that what matters most comes first, and those
   /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `requested`. `sent`
@@ -44,7 +44,7 @@ class FramePacker {
   std::vector<std::vector<std::byte>> datagrams_;
   std::vector<std::uint32_t> from_middle_;  ///< of slices being added: tiles to the view's middle row
   std::size_t most_bytes_ = kBaseMessage_bytes, payload_bytes_ = 0;
-  Version version_ = kProtocolVersion;
+  ProtocolVersion version_ = kProtocolVersion;
   Duration packing_{};
 };
 

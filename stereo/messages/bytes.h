@@ -19,7 +19,7 @@ namespace farshade {
 /// Fields that not every version of the protocol has: `!io.since(12) || io.u8(message.field)`.
 class VersionedFields {
  public:
-  explicit VersionedFields(Version version = kProtocolVersion) : number_(number_of(version)) {}
+  explicit VersionedFields(ProtocolVersion version = kProtocolVersion) : number_(number_of(version)) {}
 
   /// The fields are those of protocol number `number` or of a later one.
   [[nodiscard]] bool since(unsigned number) const { return number_ >= number; }
@@ -31,7 +31,7 @@ class VersionedFields {
 /// Appends to `out`, which it does not own. Never fails: a value that does not fit its field fails a check.
 class ByteWriter : public VersionedFields {
  public:
-  explicit ByteWriter(std::vector<std::byte>& out, Version version = kProtocolVersion)
+  explicit ByteWriter(std::vector<std::byte>& out, ProtocolVersion version = kProtocolVersion)
       : VersionedFields(version), out_(out) {}
 
   bool u8(std::integral auto value) { return put<std::uint8_t>(value); }
@@ -74,7 +74,7 @@ class ByteWriter : public VersionedFields {
 /// Reads foreign bytes. A read beyond the end returns false and changes nothing. Allocates nothing.
 class ByteReader : public VersionedFields {
  public:
-  explicit ByteReader(std::span<const std::byte> bytes, Version version = kProtocolVersion)
+  explicit ByteReader(std::span<const std::byte> bytes, ProtocolVersion version = kProtocolVersion)
       : VersionedFields(version), bytes_(bytes) {}
 
   [[nodiscard]] std::size_t remaining() const { return bytes_.size(); }

@@ -56,11 +56,11 @@ Verdict verdict(const FetchRefusal& m) {
 void encode(const FetchRequest& message, std::vector<std::byte>& bytes) {
   codec::encode_any(message, kBaseMessage_bytes, bytes);
 }
-void encode(const FetchAnswer& message, std::vector<std::byte>& bytes, Version version) {
+void encode(const FetchAnswer& message, std::vector<std::byte>& bytes, ProtocolVersion version) {
   codec::encode_any(message, kBaseMessage_bytes, bytes, version);
 }
 
-Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes, Version version) {
+Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes, ProtocolVersion version) {
   return codec::decode_any<FetchRequest>(bytes, kBaseMessage_bytes, version);
 }
 Decoded<FetchAnswer> decode_fetch_answer(std::span<const std::byte> bytes) {

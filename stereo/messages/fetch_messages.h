@@ -52,10 +52,11 @@ inline constexpr std::size_t kMaxOfferPart_bytes = kBaseMessage_bytes - 2;
 
 /// Replaces `bytes` by the message. A server passes the `version` of the stream.
 void encode(const FetchRequest& message, std::vector<std::byte>& bytes);
-void encode(const FetchAnswer& message, std::vector<std::byte>& bytes, Version version = kProtocolVersion);
+void encode(const FetchAnswer& message, std::vector<std::byte>& bytes,
+            ProtocolVersion version = kProtocolVersion);
 
 [[nodiscard]] Decoded<FetchRequest> decode_fetch_request(std::span<const std::byte> bytes,
-                                                         Version version = kProtocolVersion);
+                                                         ProtocolVersion version = kProtocolVersion);
 [[nodiscard]] Decoded<FetchAnswer> decode_fetch_answer(std::span<const std::byte> bytes);
 
 }  // namespace farshade

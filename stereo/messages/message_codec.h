@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kMagic = 0x48534446;  // "FDSH" in byte order
 /// The beginning of every datagram, in every version.
 struct Header {
   std::uint32_t magic = kMagic;
-  Version version = 0;
+  ProtocolVersion version = 0;
   std::uint8_t type = 0;
 };
 
@@ -51,7 +51,7 @@ Decoded<Message> read(ByteReader io) {
 /// ranges and have at most `most_bytes`.
 template <class... Messages>
 void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes,
-                Version version = kProtocolVersion) {
+                ProtocolVersion version = kProtocolVersion) {
   bytes.clear();
   ByteWriter io(bytes, version);
   std::visit(
@@ -83,7 +83,7 @@ Decoded<std::variant<Messages...>> read_any(std::type_identity<std::variant<Mess
 /// Reads what encode_any has written: `Any` is a std::variant of messages.
 template <class Any>
 Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes,
-                        Version version = kProtocolVersion) {
+                        ProtocolVersion version = kProtocolVersion) {
   if (bytes.size() > most_bytes) return refuse(WireRefusal::TooLong);
   ByteReader io(bytes, version);
   std::uint8_t type = 0;

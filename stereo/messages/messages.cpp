@@ -278,18 +278,18 @@ Verdict verdict(const PathProbe& probe) {
 
 // ---- whole messages
 
-void encode(const ClientMessage& message, std::vector<std::byte>& bytes, Version version) {
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes, ProtocolVersion version) {
   codec::encode_any(message, kBaseMessage_bytes, bytes, version);
 }
-void encode(const ServerMessage& message, std::vector<std::byte>& bytes, Version version) {
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes, ProtocolVersion version) {
   codec::encode_any(message, kMaxMessage_bytes, bytes, version);
 }
 
-Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes, Version version) {
+Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes, ProtocolVersion version) {
   return codec::decode_any<ClientMessage>(bytes, kBaseMessage_bytes, version);
 }
 
-Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes, Version version) {
+Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes, ProtocolVersion version) {
   return codec::decode_any<ServerMessage>(bytes, kMaxMessage_bytes, version);
 }
 

@@ -217,13 +217,15 @@ using ServerMessage =
 
 /// Replaces `bytes` by the message's bytes: at most kBaseMessage_bytes of a client's, kMaxMessage_bytes of a
 /// server's. Checks that its fields are in their ranges. `version` is that of the session.
-void encode(const ClientMessage& message, std::vector<std::byte>& bytes, Version version = kProtocolVersion);
-void encode(const ServerMessage& message, std::vector<std::byte>& bytes, Version version = kProtocolVersion);
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes,
+            ProtocolVersion version = kProtocolVersion);
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes,
+            ProtocolVersion version = kProtocolVersion);
 
 /// Blocks and parts of the result point into `bytes`.
 [[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes,
-                                                   Version version = kProtocolVersion);
+                                                   ProtocolVersion version = kProtocolVersion);
 [[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes,
-                                                   Version version = kProtocolVersion);
+                                                   ProtocolVersion version = kProtocolVersion);
 
 }  // namespace farshade

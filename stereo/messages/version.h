@@ -8,19 +8,19 @@
 
 namespace farshade {
 
-using Version = std::uint16_t;  ///< of the protocol
+using ProtocolVersion = std::uint16_t;
 
 inline constexpr unsigned kProtocolNumber = 11;
 inline constexpr unsigned kLayoutHash = 117;  ///< check_layout() prints the right one
-inline constexpr Version kProtocolVersion = kProtocolNumber << 10 | kLayoutHash;
+inline constexpr ProtocolVersion kProtocolVersion = kProtocolNumber << 10 | kLayoutHash;
 /// Servers also accept clients of this version, and answer them in it. It has the same layout.
-inline constexpr Version kPreviousVersion = 10;
+inline constexpr ProtocolVersion kPreviousVersion = 10;
 
-[[nodiscard]] constexpr bool is_spoken(Version version) {
+[[nodiscard]] constexpr bool is_spoken(ProtocolVersion version) {
   return version == kProtocolVersion || version == kPreviousVersion;
 }
 
-[[nodiscard]] constexpr unsigned number_of(Version version) {
+[[nodiscard]] constexpr unsigned number_of(ProtocolVersion version) {
   return version <= 10 ? version : version >> 10;
 }
 

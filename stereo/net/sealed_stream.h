@@ -39,7 +39,8 @@ class SealedStream {
 
   [[nodiscard]] const Welcome& served() const { return served_; }  ///< by the server
   [[nodiscard]] const KeyId& key() const { return key_; }          ///< of the client
-  [[nodiscard]] Version version() const { return version_; }       ///< of the protocol, as the client's Hello
+  /// That of the client's Hello.
+  [[nodiscard]] ProtocolVersion version() const { return version_; }
 
  private:
   explicit SealedStream(TcpStream stream) : stream_(std::move(stream)) {}
@@ -50,7 +51,7 @@ class SealedStream {
   TcpStream stream_;
   Welcome served_{};
   KeyId key_{};
-  Version version_ = kProtocolVersion;
+  ProtocolVersion version_ = kProtocolVersion;
   std::optional<Sealer> sealer_;
   std::optional<Opener> opener_;
   std::uint64_t received_ = 0;  ///< messages

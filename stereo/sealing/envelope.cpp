@@ -94,7 +94,7 @@ Decoded<codec::Header> read_header(ByteReader& io, std::size_t most_bytes) {
 }
 
 /// Cheapest checks first, so that a flood of Hellos is cheap.
-Decoded<ClientEnvelope> read_hello(ByteReader io, Version version) {
+Decoded<ClientEnvelope> read_hello(ByteReader io, ProtocolVersion version) {
   if (io.remaining() + 7 != kBaseDatagram_bytes) return refuse(WireRefusal::Padding);
   if (!is_spoken(version)) {
     ForeignHello foreign{.version = version};

@@ -38,13 +38,13 @@ struct Hello {
   ContentHash scene_hash{};
   Cookie cookie{};
   std::array<std::uint8_t, 32> proof{};  ///< keyed hash of all bytes before it
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
 /// A Hello of a version that the server does not speak. Only these fields are the same in every version.
 struct ForeignHello {
-  Version version = 0;
+  ProtocolVersion version = 0;
   HelloEcho echo{};
 };
 
@@ -54,14 +54,14 @@ struct ForeignHello {
 struct Retry {
   HelloEcho echo{};
   Cookie cookie{};
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
   friend bool operator==(const Retry&, const Retry&) = default;
 };
 
 /// A refusal for a client that has not proved a key. Its layout is the same in every version. Anybody could
 /// have sent it, so it gives the user a reason but does not end a session or a handshake.
 struct OpenRefusal {
-  Version version = kProtocolVersion;                     ///< the server's
+  ProtocolVersion version = kProtocolVersion;             ///< the server's
   RefusalReason reason = RefusalReason::VersionMismatch;  ///< VersionMismatch or UnknownKey
   HelloEcho echo{};
   friend bool operator==(const OpenRefusal&, const OpenRefusal&) = default;
@@ -73,14 +73,14 @@ struct Accept {
   SessionId session{};
   PublicKey server{};
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
 };
 
 /// The server does not have the session of a sealed datagram: it was restarted, or the session timed out.
 /// Anybody could have sent it, so it makes a client send a Hello but does not end the session.
 struct NoSession {
   SessionId session{};
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
   friend bool operator==(const NoSession&, const NoSession&) = default;
 };
 
@@ -91,7 +91,7 @@ struct Sealed {
   std::uint64_t counter = 0;            ///< on the wire the low 48 bits of eight bytes
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
   std::uint16_t epoch = 0;              ///< number of the key (seal.h): the high 16 bits
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
 };
 
 /// Bytes of a Sealed before `sealed`. The tag authenticates them, too.

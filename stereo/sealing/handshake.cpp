@@ -60,7 +60,7 @@ struct Schedule {
     return Secret(
         Hash(key.secret).add(label).add(up).add(down).add(std::as_bytes(std::span(transcript))).finish());
   }
-  [[nodiscard]] SessionKeys session(SessionId id, Version version) const {
+  [[nodiscard]] SessionKeys session(SessionId id, ProtocolVersion version) const {
     return {.session = id,
             .to_server = derive("farshade-2 to server"),
             .to_client = derive("farshade-2 to client"),
@@ -99,7 +99,7 @@ HelloEcho echo_of(const PublicKey& client) {
   return echo;
 }
 
-ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, Version version)
+ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, ProtocolVersion version)
     : key_(key), scene_hash_(scene_hash), version_(version) {
   ready();
   crypto_kx_keypair(public_.data(), secret_.data());

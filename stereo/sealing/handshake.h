@@ -21,13 +21,14 @@ struct SessionKeys {
   SessionId session;
   Secret to_server, to_client;
   Sealing sealing = Sealing::On;
-  Version version = kProtocolVersion;
+  ProtocolVersion version = kProtocolVersion;
 };
 
 /// The client's side of one handshake, with its own ephemeral key.
 class ClientHandshake {
  public:
-  ClientHandshake(const SharedKey& key, const ContentHash& scene_hash, Version version = kProtocolVersion);
+  ClientHandshake(const SharedKey& key, const ContentHash& scene_hash,
+                  ProtocolVersion version = kProtocolVersion);
 
   /// Replaces `datagram` by the Hello to send now.
   void write_hello(std::vector<std::byte>& datagram) const;
@@ -49,7 +50,7 @@ class ClientHandshake {
  private:
   SharedKey key_;
   ContentHash scene_hash_;
-  Version version_;
+  ProtocolVersion version_;
   PublicKey public_{};
   Secret secret_;
   Cookie cookie_{};

@@ -5,7 +5,7 @@
 
 namespace farshade {
 
-unsigned layout_hash(Version version) {
+unsigned layout_hash(ProtocolVersion version) {
   LayoutRecorder io(version);
   record_envelopes(io);
   record_messages(io);

@@ -8,7 +8,7 @@
 namespace farshade {
 
 /// Of all envelopes and messages, in a version that is_spoken: 10 bits.
-[[nodiscard]] unsigned layout_hash(Version version);
+[[nodiscard]] unsigned layout_hash(ProtocolVersion version);
 
 /// Checks that kLayoutHash is the hash of this program's layout. Otherwise the program would take programs of
 /// another layout for its own kind, so call it first.

@@ -54,7 +54,7 @@ inline constexpr std::uint64_t kEpochGrace = 1024;
 class Sealer {
  public:
   /// `most` is the number of datagrams of an epoch.
-  Sealer(SessionId session, const Secret& key, Sealing sealing, Version version = kProtocolVersion,
+  Sealer(SessionId session, const Secret& key, Sealing sealing, ProtocolVersion version = kProtocolVersion,
          std::uint64_t most = kEpoch_datagrams)
       : session_(session), key_(key), sealing_(sealing), version_(version), most_(most) {}
 
@@ -77,7 +77,7 @@ class Sealer {
   SessionId session_;
   Secret key_;
   Sealing sealing_;
-  Version version_;
+  ProtocolVersion version_;
   std::uint64_t most_;
   std::uint64_t next_ = 0;
   std::uint64_t epoch_first_ = 0;  ///< counter with which this epoch began

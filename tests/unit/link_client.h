@@ -35,7 +35,7 @@ inline FrameRequest request_of(std::uint32_t frame, Extent size) {
 }
 
 struct LinkClient {
-  LinkClient(SharedKey client_key, const Welcome& served, Version protocol = kProtocolVersion)
+  LinkClient(SharedKey client_key, const Welcome& served, ProtocolVersion protocol = kProtocolVersion)
       : key(std::move(client_key)),
         scene(served),
         version(protocol),
@@ -81,7 +81,7 @@ struct LinkClient {
 
   SharedKey key;
   Welcome scene;
-  Version version;
+  ProtocolVersion version;
   ClientHandshake handshake;
   std::optional<SessionId> session{};
   std::optional<SessionKeys> keys{};
@@ -137,7 +137,7 @@ struct LinkClient {
 /// A LinkClient on a port.
 struct PortClient : LinkClient {
   PortClient(DatagramPort& own, const Peer& to, SharedKey client_key, const Welcome& served,
-             Version protocol = kProtocolVersion)
+             ProtocolVersion protocol = kProtocolVersion)
       : LinkClient(std::move(client_key), served, protocol), port(own), server(to) {}
 
   void say(const Bytes& datagram) { port.send(server, datagram); }

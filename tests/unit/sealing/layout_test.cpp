@@ -10,7 +10,7 @@ namespace farshade {
 namespace {
 
 /// A message whose fields a test chooses: `record` has the field list.
-unsigned hash_of(const auto& record, Version version = kProtocolVersion) {
+unsigned hash_of(const auto& record, ProtocolVersion version = kProtocolVersion) {
   LayoutRecorder io(version);
   record(io);
   return io.hash();
