@@ -53,8 +53,8 @@ class Comparison {
     always_settings_.redraw = Redraw::Always;
   }
 
-  void compare(const FrameRequest& request, Figures& figures) {
-    tracer_.trace(request, truth_);
+  void compare(const FrameMoment& request, Figures& figures) {
+    tracer_.trace({request}, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
     figures.maps_ms.push_back(ms(always_->draw(with_maps(request, start_, always_settings_)).maps));
     renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
@@ -91,7 +91,7 @@ class Comparison {
     (void)write_png(name + "_difference.png", difference_x8(picture, reference));
   }
 
-  PerEye<Image<Rgb8>> draw_masks(const FrameRequest& request, Figures& figures) {
+  PerEye<Image<Rgb8>> draw_masks(const FrameMoment& request, Figures& figures) {
     const ReceivedTiles all(TileGrid{size()}.count(), all_planes_received(truth_.masks[0].layout()));
     const PerEye<ReceivedTiles> known{all, all};
     const std::vector<TracedMask> masks{{.frame = request.frame,
@@ -107,7 +107,7 @@ class Comparison {
     return renderer_->read_shown();
   }
 
-  [[nodiscard]] static ShownFrame with_maps(const FrameRequest& request, const SceneState& state,
+  [[nodiscard]] static ShownFrame with_maps(const FrameMoment& request, const SceneState& state,
                                             const ShadowMapSettings& settings) {
     return {
         .views = request.views, .state = state, .masks = {}, .reprojection = {}, .shadow_maps = &settings};
