@@ -89,13 +89,9 @@ void Recordings::toggle_frames() {
     return;
   }
   frames_ = Frames{unused("frames", "")};
-  std::error_code error;
-  std::filesystem::create_directories(frames_->folder, error);
-  if (!error) return report({}, "writing frames to " + frames_->folder.string());
-  report(
-      fail(Fault::Unreadable, fmt::format("cannot make {}: {}", frames_->folder.string(), error.message())),
-      "");
-  frames_.reset();
+  const Expected<void> made = make_folder(frames_->folder);
+  report(made, "writing frames to " + frames_->folder.string());
+  if (!made) frames_.reset();
 }
 
 LinkListener Recordings::listen() {

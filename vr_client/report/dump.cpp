@@ -104,10 +104,7 @@ Dump dump_of(const FrameView& view, PerEye<Image<float>> distance) {
 
 Expected<void> write_dump(const std::filesystem::path& folder, const Dump& dump, const MeasuredFrame& frame) {
   const std::filesystem::path inside = folder / fmt::format("frame_{:04}", dump.frame.value);
-  std::error_code error;
-  std::filesystem::create_directories(inside, error);
-  if (error)
-    return fail(Fault::Unreadable, fmt::format("cannot make {}: {}", inside.string(), error.message()));
+  if (auto made = make_folder(inside); !made) return made;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
     const auto path = [&](const char* what) { return inside / fmt::format("{}_{}", name_of(side), what); };
