@@ -132,11 +132,11 @@ void compare(const BenchOptions& options) {
     for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
       const Stopwatch frame;
       renderer->draw({.views = shown.views,
-                     .state = state,
-                     .request = &request,
-                     .masks = masks,
-                     .reprojection = {},
-                     .request_slot = request.frame.value % kRing_frames});
+                      .state = state,
+                      .request = &request,
+                      .masks = masks,
+                      .reprojection = {},
+                      .request_slot = request.frame.value % kRing_frames});
       const Stopwatch showing;
       if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
       device.logical.waitIdle();
