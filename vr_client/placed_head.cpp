@@ -173,7 +173,7 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
 
 void tell_how_read(const HeadRecording& recording) {
   spdlog::info(recording.read_as);
-  if (!recording.doubt.empty()) spdlog::warn("the head recording is doubtful: {}", recording.doubt);
+  if (!recording.doubt.empty()) spdlog::warn("head recording: {}", recording.doubt);
 }
 
 Expected<PlacedHead> place_head(const Options& options, const Scene& scene, const HeadRecording& recording) {

@@ -39,6 +39,13 @@ bool begins_forward(const std::vector<HeadSample>& samples) {
   return angle_between_rad(samples.front().recorded_from_head.rotation, {1, 0, 0, 0}) < std::numbers::pi / 2;
 }
 
+/// Whether the samples stay within kFarthestHead_m when they turn about the first.
+bool may_turn(const std::vector<HeadSample>& samples) {
+  return std::ranges::all_of(samples, [](const HeadSample& sample) {
+    return glm::length(sample.recorded_from_head.translation) < kFarthestHead_m / 4;
+  });
+}
+
 bool is_below_ground(const std::vector<HeadSample>& samples) {
   constexpr double kLowest_m = -0.5;  // of a head, on average
   double sum_m = 0;
@@ -103,7 +110,7 @@ Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& fact
   const Posture posture = posture_of(samples, kLiesDown_rad);
   if (posture == Posture::LiesDown || (posture == Posture::WalksAside && !axes_known)) {
     upright.doubt = doubt_about(posture, read, upright.order, order_known);
-  } else if (!axes_known) {
+  } else if (!axes_known && may_turn(samples)) {
     const glm::dquat level = levelling(samples);
     const double off_rad = angle_between_rad(level, {1, 0, 0, 0});
     if (off_rad >= kLevel_rad && off_rad <= kLiesDown_rad) {

@@ -56,12 +56,12 @@ Expected<void> check_headset(const FileFacts& facts) {
 
 std::string SampleList::dropped_rows(std::size_t all) const {
   if (bad_ + backward_ == 0) return {};
-  std::string words = fmt::format("{} of {} rows ({:.1f} %) are left out", bad_ + backward_, all,
+  std::string words = fmt::format("left out {} of {} rows ({:.1f} %):", bad_ + backward_, all,
                                   100.0 * static_cast<double>(bad_ + backward_) / static_cast<double>(all));
-  if (bad_ > 0) words += fmt::format(": {} are no pose, the first is {}", bad_, first_bad_->what);
-  if (backward_ > 0)
-    words +=
-        fmt::format("{} {} have time stamps that repeat or run backwards", bad_ > 0 ? ";" : ":", backward_);
+  if (bad_ > 0)
+    words += fmt::format(" {} without a pose (the first is {}){}", bad_, first_bad_->what,
+                         backward_ > 0 ? "," : "");
+  if (backward_ > 0) words += fmt::format(" {} with a time stamp that repeats or runs backwards", backward_);
   return words;
 }
 
@@ -101,9 +101,9 @@ Expected<std::vector<HeadSample>> SampleList::timed(const FileFacts& facts, Time
   const std::size_t rows = samples.size(), all = rows + bad_;
   keep_growing(samples);
   backward_ = rows - samples.size();
-  const std::string bad = first_bad_
-                              ? fmt::format("; {} of {} rows are no pose: {}", bad_, all, first_bad_->what)
-                              : std::string();
+  const std::string bad =
+      first_bad_ ? fmt::format("; {} of {} rows hold no pose, the first is {}", bad_, all, first_bad_->what)
+                 : std::string();
   if (samples.size() < kFewestSamples)
     return fail(first_bad_ ? first_bad_->fault : Fault::Malformed,
                 fmt::format("{}: holds {} head samples in time order, at least {} are needed{}", facts.file,

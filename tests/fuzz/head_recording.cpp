@@ -1,4 +1,4 @@
-// Head recordings: a text in one of the three formats is refused, or it decodes to a recording that keeps the
+// Head recordings: a text in any of the layouts is refused, or it decodes to a recording that keeps the
 // promises of HeadRecording and that reads back bit for bit after it is written in either format.
 #include <bit>
 #include <cmath>
@@ -61,6 +61,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     check(!recording.error().what.empty(), "a refusal says why");
     return 0;
   }
+  check(!recording->read_as.empty(), "it is told how a recording is read");
   check_promises(*recording);
   check_same(parse_head_recording(euroc_text(*recording), "a.csv"), *recording);
   check_same(parse_head_recording(tum_text(*recording), "a.txt"), *recording);

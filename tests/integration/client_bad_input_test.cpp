@@ -77,6 +77,15 @@ TEST_F(ClientProgramRefuses, SkipBeyondTheHeadRecording) {
   expect_refusal({{"--skip", "1000"}}, "--skip 1000");
 }
 
+TEST_F(ClientProgramRefuses, MoreFramesThanTheHeadRecordingHas) {
+  expect_refusal({{"--frames", "1442"}, {"--refresh", "72"}}, "--frames 1442");
+  expect_refusal({{"--frames", "1430"}, {"--refresh", "72"}, {"--skip", "1"}}, "after --skip 1");
+}
+
+TEST_F(ClientProgramRefuses, HeadRecordingOfAnotherLayout) {
+  expect_refusal({{"--trace", file("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n")}}, "KITTI");
+}
+
 TEST_F(ClientProgramRefuses, OutputFolderThatIsAFile) {
   const std::string taken = file("taken", "mine");
   expect_refusal({{"--out", taken}}, "taken");

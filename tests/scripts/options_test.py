@@ -6,11 +6,11 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BASH_SCRIPTS = ["bench", "demo", "format", "networks", "prediction", "preview", "reprojection", "scenes", "setup", "soak",
+BASH_SCRIPTS = ["bench", "demo", "format", "heads", "networks", "prediction", "preview", "reprojection", "scenes", "setup", "soak",
                 "stability", "study", "test"]
 # These three pass the options that they do not know to a program.
 PASSING_ON = {"demo", "networks", "preview"}
-PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/folders", "scripts/mutate", "tests/scenes/scenes.py", "tests/scripts/function_length.py", "tests/stability/report.py",
+PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/folders", "scripts/mutate", "tests/scenes/heads.py", "tests/scenes/scenes.py", "tests/scripts/function_length.py", "tests/stability/report.py",
                    "tests/study/compare.py", "tests/study/rivals.py", "tests/study/study.py"]
 
 

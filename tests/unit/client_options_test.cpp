@@ -95,7 +95,8 @@ std::vector<std::string> every_option() {
   std::istringstream words(
       "--size 96x64 --frames 8 --skip 1.5 --refresh 90 --server [::1]:9 --mode full --clock real "
       "--delay 35 --pictures 2 --dump 3,5 --out there --place recorded "
-      "--trace-scale 0.76 --reference-every 0 --predictor hold --guard-band off --mask-every 3 "
+      "--trace-scale 0.76 --trace-axes ros/optical --trace-units us --trace-quaternion xyzw "
+      "--reference-every 0 --predictor hold --guard-band off --mask-every 3 "
       "--reprojection off --edges nearest --gpu llvm --validate");
   return {std::istream_iterator<std::string>(words), {}};
 }
@@ -119,6 +120,9 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.out, "there");
   EXPECT_EQ(options.place, Place::Recorded);
   EXPECT_EQ(options.trace_reading.units_a_metre, 0.76);
+  EXPECT_EQ(options.trace_reading.axes.value_or(Axes()).name, "ros/optical");
+  EXPECT_EQ(options.trace_reading.unit, TimeUnit::Microseconds);
+  EXPECT_EQ(options.trace_reading.order, QuaternionOrder::Xyzw);
   EXPECT_EQ(options.reference_every, 0u);
   EXPECT_EQ(options.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
@@ -251,6 +255,10 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--stand", "1,2,nan"}, "--stand"},
       {{"--trace-scale", "0"}, "--trace-scale"},
       {{"--trace-scale", "nan"}, "--trace-scale"},
+      {{"--trace-axes", "zup"}, "unknown axes 'zup'"},
+      {{"--trace-axes", "unity/ros"}, "left-handed"},
+      {{"--trace-units", "min"}, "--trace-units"},
+      {{"--trace-quaternion", "wzyx"}, "--trace-quaternion"},
       {{"--pictures", "-1"}, "--pictures"},
       {{"--predictor", "oracle"}, "--predictor"},
       {{"--predictor", ""}, "--predictor"},

@@ -160,7 +160,7 @@ TEST(HeadRows, AreCountedWhenTheyAreBad) {
   EXPECT_EQ(recording.bad_rows, 3u);
   EXPECT_EQ(recording.rows_left_out, 1u);
   EXPECT_EQ(recording.samples.size(), kWornSamples - 1u);
-  EXPECT_TRUE(has(recording.doubt, "4 of 147 rows (2.7 %) are left out: 3 are no pose, the first is t.csv:"))
+  EXPECT_TRUE(has(recording.doubt, "left out 4 of 147 rows (2.7 %): 3 without a pose (the first is t.csv:"))
       << recording.doubt;
 }
 
