@@ -47,7 +47,6 @@ Expected<HeadRecording> load_head(const Options& options) {
                 fmt::format("--frames {}: {} has only {} frames at {:g} Hz{}", *options.frames,
                             options.trace.string(), frames, options.refresh_hz,
                             options.skip_s > 0 ? fmt::format(" after --skip {:g}", options.skip_s) : ""));
-  tell_how_read(*head);
   return head;
 }
 

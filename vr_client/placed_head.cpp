@@ -172,11 +172,12 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
 }  // namespace
 
 void tell_how_read(const HeadRecording& recording) {
-  spdlog::info(recording.read_as);
+  if (!recording.read_as.empty()) spdlog::info(recording.read_as);
   if (!recording.doubt.empty()) spdlog::warn("head recording: {}", recording.doubt);
 }
 
 Expected<PlacedHead> place_head(const Options& options, const Scene& scene, const HeadRecording& recording) {
+  tell_how_read(recording);
   const Expected<Surroundings> surroundings = Surroundings::create(scene);
   if (!surroundings && options.place == Place::Fit)
     return fail(surroundings.error().fault,

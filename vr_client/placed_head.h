@@ -22,8 +22,8 @@ struct PlacedHead {
 /// that are not upright.
 void tell_how_read(const HeadRecording& recording);
 
-/// Places the recording and logs how and why, with the share of the shown poses that are inside geometry or
-/// see nothing (stereo/placement/head_test.h), and what is wrong with the light there
+/// Tells how the recording was read, places it and logs how and why, with the share of the shown poses that
+/// are inside geometry or see nothing (stereo/placement/head_test.h), and what is wrong with the light there
 /// (stereo/exposure/picture_check.h). Warns above 5 %. Fails if --place fit finds no free space.
 [[nodiscard]] Expected<PlacedHead> place_head(const Options& options, const Scene& scene,
                                               const HeadRecording& recording);

@@ -309,7 +309,6 @@ class Preview {
 Expected<std::optional<HeadRecording>> recording_of(const Options& options) {
   if (options.trace.empty()) return std::nullopt;
   return load_head_recording(options.trace, options.trace_reading).map([](HeadRecording&& loaded) {
-    tell_how_read(loaded);
     return std::optional(std::move(loaded));
   });
 }

@@ -121,6 +121,20 @@ Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& fact
   return upright;
 }
 
+std::string doubt_about_units(const std::vector<HeadSample>& samples, const std::vector<double>& stamps) {
+  constexpr double kFastest_m_s = 10;
+  if (std::ranges::adjacent_find(stamps, [](double a, double b) { return b != a + 1; }) == stamps.end())
+    return "time stamps count by one, as frame numbers do";
+  double path_m = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    path_m += glm::length(samples[i].recorded_from_head.translation -
+                          samples[i - 1].recorded_from_head.translation);
+  const double speed_m_s = path_m / seconds_of(samples.back().time - samples.front().time);
+  if (speed_m_s < kFastest_m_s) return {};
+  return fmt::format("the head moves at {:.3g} m/s on average: --trace-scale says how many units are a metre",
+                     speed_m_s);
+}
+
 std::string read_as(const HeadRecording& recording, const FileFacts& facts, const HeadFileOptions& options,
                     TimeUnit unit, const Uprightness& upright) {
   constexpr std::string_view kGiven = " (given)", kStated = " (stated)", kAssumed = " (assumed)";

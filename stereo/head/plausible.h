@@ -23,6 +23,11 @@ struct Uprightness {
 [[nodiscard]] Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& facts,
                                        const HeadFileOptions& options);
 
+/// Why `stamps`, as they are in the file, may be frame numbers, or positions something else than metres.
+/// Empty: they are plausible.
+[[nodiscard]] std::string doubt_about_units(const std::vector<HeadSample>& samples,
+                                            const std::vector<double>& stamps);
+
 /// The sentence `HeadRecording::read_as`.
 [[nodiscard]] std::string read_as(const HeadRecording& recording, const FileFacts& facts,
                                   const HeadFileOptions& options, TimeUnit unit, const Uprightness& upright);

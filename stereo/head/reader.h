@@ -47,7 +47,7 @@ struct HeadFileOptions {
 /// Leaves out and counts: rows that are cut off, hold text that is not a finite number, a quaternion that is
 /// not unit (as after lost tracking), a head beyond kFarthestHead_m, or a false tracking flag, and the fewest
 /// possible rows with repeated or backward stamps. Refuses, with file and line: layouts that it does not
-/// know, files of which more than half of the rows would be left out, fewer than kFewestSamples samples,
+/// know, files of which more than half of the rows hold no pose, fewer than kFewestSamples samples,
 /// other sample rates, stated axes and units other than those of the stage.
 ///
 /// Without stated axes, heads that are tilted on the whole (by 3 to 45 degrees) are levelled: EyeNavGS has

@@ -102,15 +102,13 @@ Expected<std::vector<HeadSample>> SampleList::timed(const FileFacts& facts, Time
   keep_growing(samples);
   backward_ = rows - samples.size();
   const std::string bad =
-      first_bad_ ? fmt::format("; {} of {} rows hold no pose, the first is {}", bad_, all, first_bad_->what)
+      first_bad_ ? fmt::format("{} of {} rows hold no pose, the first is {}", bad_, all, first_bad_->what)
                  : std::string();
   if (samples.size() < kFewestSamples)
     return fail(first_bad_ ? first_bad_->fault : Fault::Malformed,
-                fmt::format("{}: holds {} head samples in time order, at least {} are needed{}", facts.file,
-                            samples.size(), kFewestSamples, bad));
-  if (2 * samples.size() < all)
-    return fail(Fault::Malformed, fmt::format("{}: only {} of {} rows are poses in time order{}", facts.file,
-                                              samples.size(), all, bad));
+                fmt::format("{}: holds {} head samples in time order, at least {} are needed{}{}", facts.file,
+                            samples.size(), kFewestSamples, bad.empty() ? "" : "; ", bad));
+  if (2 * bad_ > all) return fail(Fault::Malformed, fmt::format("{}: {}", facts.file, bad));
   return samples;
 }
 
@@ -119,10 +117,11 @@ Expected<HeadRecording> SampleList::finish(const FileFacts& facts, const HeadFil
   const std::optional<TimeUnit> known = options.unit ? options.unit : facts.unit;
   const TimeUnit unit = known ? *known : plausible.value_or(facts.usual_unit);
   Expected<std::vector<HeadSample>> samples = timed(facts, unit);
-  // A wrong unit of time may be the reason that samples fall on one nanosecond.
-  const double stamps_hz = rate_hz(stamps_, unit);
-  const Expected<void> sound_stamps = check_rate(stamps_hz, facts, unit, plausible);
-  if (!samples && stamps_hz > 0 && !sound_stamps) return tl::unexpected(sound_stamps.error());
+  // A wrong unit of time may be the reason that most stamps repeat.
+  const double hz = samples ? median_hz(*samples) : rate_hz(stamps_, unit);
+  if (hz > 0 && (samples || 2 * backward_ > rows_.size()))
+    if (const Expected<void> sound = check_rate(hz, facts, unit, plausible); !sound)
+      return tl::unexpected(sound.error());
   if (!samples) return tl::unexpected(samples.error());
   HeadRecording recording{.samples = std::move(*samples),
                           .eye_distance_m = facts.eye_distance_m,
@@ -131,14 +130,12 @@ Expected<HeadRecording> SampleList::finish(const FileFacts& facts, const HeadFil
                           .bad_rows = bad_,
                           .read_as = {},
                           .doubt = {}};
-  if (const Expected<void> sound = check_rate(median_hz(recording.samples), facts, unit, plausible); !sound)
-    return tl::unexpected(sound.error());
   if (const Expected<void> sound = check_headset(facts); !sound) return tl::unexpected(sound.error());
   const Uprightness upright = make_upright(recording.samples, facts, options);
   recording.read_as = read_as(recording, facts, options, unit, upright);
-  recording.doubt = dropped_rows(recording.samples.size() + backward_ + bad_);
-  if (!upright.doubt.empty())
-    recording.doubt.append(recording.doubt.empty() ? "" : "; ").append(upright.doubt);
+  for (const std::string& doubt : {dropped_rows(recording.samples.size() + backward_ + bad_), upright.doubt,
+                                   doubt_about_units(recording.samples, stamps_)})
+    if (!doubt.empty()) recording.doubt.append(recording.doubt.empty() ? "" : "; ").append(doubt);
   return recording;
 }
 

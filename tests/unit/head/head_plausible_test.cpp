@@ -56,6 +56,15 @@ TEST(HeadStamps, AreRefusedBeyond1To10000Hz) {
       parse_head_recording(text_of({.first = 0, .step = 99'000}), "t.csv", {.unit = TimeUnit::Nanoseconds}));
 }
 
+TEST(HeadUnits, AreDoubtedIfStampsAreFrameNumbersOrPositionsMillimetres) {
+  EXPECT_TRUE(has(read(text_of({.first = 0, .step = 1})).doubt, "frame numbers"));
+  Axes millimetres;
+  millimetres.units_a_metre = 1000;
+  const std::string text = text_of({.axes = millimetres});
+  EXPECT_TRUE(has(read(text).doubt, "--trace-scale")) << read(text).doubt;
+  EXPECT_EQ(read(text, {.units_a_metre = 1000}).doubt, "");
+}
+
 TEST(HeadAxes, BecomeThoseOfTheStage) {
   for (const std::string_view name : kTriedAxes) {
     SCOPED_TRACE(name);
@@ -170,7 +179,8 @@ TEST(HeadRows, AreRefusedIfMostAreBad) {
     text += std::to_string(14'000'000 * i) + (i % 5 < 2 ? ",0,0,0,1,0,0,0\n" : ",0,0,0,9,9,9,9\n");
   const auto refused = parse_head_recording(text, "t.csv");
   ASSERT_FALSE(refused);
-  EXPECT_TRUE(has(refused.error().what, "only 8 of 20 rows are poses")) << refused.error().what;
+  EXPECT_TRUE(has(refused.error().what, "12 of 20 rows hold no pose, the first is t.csv:3: quaternion"))
+      << refused.error().what;
 }
 
 }  // namespace
