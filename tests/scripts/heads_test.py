@@ -21,15 +21,18 @@ class Heads(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             shutil.copy(ROOT / "assets/walk.csv", folder)
             (Path(folder) / "kitti.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 9)
+            (Path(folder) / "lost.txt").write_text("0.1 0 0 0 0 0 0 1\n0.2 nan 0 0 0 0 0 1\n0.3 0 0 0 0 0 0 1\n0.4 0 0 0 0 0 0 1\n")
             (Path(folder) / "ros.txt").write_text("".join(f"{i / 72:.6f} {i / 72:.6f} 0 1.6 0 0 0 1\n" for i in range(73)))
             status, rows, summary = table(folder)
             self.assertEqual(status, 0, summary)
             self.assertIn("| kitti.txt | refused | vr_client: kitti.txt:1: rows of 12 columns", rows[0])
-            self.assertIn("| ros.txt | read with doubt | TUM columns, 73 samples in 1.0 s", rows[1])
-            self.assertIn("--trace-axes ros", rows[1])
-            self.assertIn("| walk.csv | read | named columns, 1441 samples", rows[2])
-            self.assertEqual(sorted(summary[0].removeprefix("3 files: ").split(", ")),
-                             ["1 read", "1 read with doubt", "1 refused"])
+            self.assertIn("| lost.txt | read with doubt | TUM columns, 3 samples in 0.3 s", rows[1])
+            self.assertIn("left out 1 of 4 rows (25.0 %): 1 without a pose (the first is lost.txt:2:", rows[1])
+            self.assertIn("| ros.txt | read with doubt | TUM columns, 73 samples in 1.0 s", rows[2])
+            self.assertIn("--trace-axes ros", rows[2])
+            self.assertIn("| walk.csv | read | named columns, 1441 samples", rows[3])
+            self.assertEqual(sorted(summary[0].removeprefix("4 files: ").split(", ")),
+                             ["1 read", "1 refused", "2 read with doubt"])
 
     def test_gives_options_to_the_program(self):
         with tempfile.TemporaryDirectory() as folder:

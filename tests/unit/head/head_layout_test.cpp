@@ -86,10 +86,11 @@ TEST(HeadLayout, ReadsLineEndsOfOldMacs) {
 
 TEST(HeadLayout, TakesTheColumnsOfTheHeadAmongOthers) {
   std::string text =
-      "frame,lefthand_pos_x,time_ms,valid,head_pos_x,head_pos_y,head_pos_z,head_rot_w,head_rot_x,head_rot_y,"
+      "frame,lefthand_pos_x,lefthand_pos_y,lefthand_pos_z,time_ms,valid,head_pos_x,head_pos_y,head_pos_z,"
+      "head_rot_w,head_rot_x,head_rot_y,"
       "head_rot_z\n";
   for (int i = 0; i < 20; ++i)
-    text += fmt::format("{},7,{},{},1,2,3,1,0,0,0\n", i, 14 * i, i == 3 ? "false" : "1");
+    text += fmt::format("{},7,7,7,{},{},1,2,3,1,0,0,0\n", i, 14 * i, i == 3 ? "false" : "1");
   const auto recording = parse_head_recording(text, "t.csv");
   ASSERT_TRUE(recording) << recording.error().what;
   EXPECT_EQ(recording->samples.size(), 19u);
