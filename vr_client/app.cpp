@@ -41,13 +41,16 @@ Expected<HeadRecording> load_head(const Options& options) {
     return fail(Fault::OutOfRange,
                 fmt::format("--skip {:g} skips all of {}, which is {:g} s long", options.skip_s,
                             options.trace.string(), seconds_of(head->end() - head->start())));
-  if (const std::uint32_t frames = frame_count(*head, playback_of(options));
-      frames < options.frames.value_or(0))
-    return fail(Fault::OutOfRange,
-                fmt::format("--frames {}: {} has only {} frames at {:g} Hz{}", *options.frames,
-                            options.trace.string(), frames, options.refresh_hz,
-                            options.skip_s > 0 ? fmt::format(" after --skip {:g}", options.skip_s) : ""));
   return head;
+}
+
+/// Fails if the run was shorter than the user wanted.
+Expected<void> check_length(const Options& options, std::uint32_t frames) {
+  if (frames >= options.frames.value_or(0)) return {};
+  return fail(Fault::OutOfRange,
+              fmt::format("--frames {}: {} has only {} frames at {:g} Hz{}", *options.frames,
+                          options.trace.string(), frames, options.refresh_hz,
+                          options.skip_s > 0 ? fmt::format(" after --skip {:g}", options.skip_s) : ""));
 }
 
 /// "183.2 MB on the device at most: vertices 12.3 MB, ...", with the uses that need memory.
@@ -298,7 +301,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                megabytes(outputs.capture().bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
   if (stop.has_come()) return interrupted(options, outputs, frames);
-  return check_answered(client, *outputs.log());
+  return check_answered(client, *outputs.log()).and_then([&] { return check_length(options, frames); });
 }
 
 }  // namespace farshade

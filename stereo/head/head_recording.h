@@ -24,8 +24,8 @@ struct HeadRecording {
   PerEye<EyeFov> fov;
   std::size_t rows_left_out = 0;  ///< rows of the file with repeated or backward stamps
   std::size_t bad_rows = 0;       ///< rows of the file that are no pose: cut off, lost tracking, no numbers
-  std::string read_as;  ///< a sentence about what the reader found and assumed; empty if no file was read
-  std::string doubt;    ///< why the recording may be read wrongly, or what is missing; empty: nothing is odd
+  std::string read_as{};  ///< a sentence about what the reader found and assumed; empty if no file was read
+  std::string doubt{};  ///< why the recording may be read wrongly, or what is missing; empty: nothing is odd
 
   [[nodiscard]] Time start() const { return samples.front().time; }
   [[nodiscard]] Time end() const { return samples.back().time; }

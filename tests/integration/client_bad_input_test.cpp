@@ -77,9 +77,19 @@ TEST_F(ClientProgramRefuses, SkipBeyondTheHeadRecording) {
   expect_refusal({{"--skip", "1000"}}, "--skip 1000");
 }
 
+/// The frames that there are are shown all the same.
 TEST_F(ClientProgramRefuses, MoreFramesThanTheHeadRecordingHas) {
-  expect_refusal({{"--frames", "1442"}, {"--refresh", "72"}}, "--frames 1442");
-  expect_refusal({{"--frames", "1430"}, {"--refresh", "72"}, {"--skip", "1"}}, "after --skip 1");
+  const std::string trace =
+      file("short.csv", "0,0,1.6,0,1,0,0,0\n14000000,0,1.6,0,1,0,0,0\n28000000,0,1.6,0,1,0,0,0\n");
+  const Ended run = run_client({{"--out", out_.string()},
+                                {"--mode", "full"},
+                                {"--trace", trace},
+                                {"--frames", "4"},
+                                {"--refresh", "72"}});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_NE(run.errors.find("--frames 4: " + trace + " has only 3 frames at 72 Hz"), std::string::npos)
+      << run.errors;
+  EXPECT_TRUE(std::filesystem::exists(out_ / "summary.csv"));
 }
 
 TEST_F(ClientProgramRefuses, HeadRecordingOfAnotherLayout) {

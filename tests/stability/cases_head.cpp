@@ -66,6 +66,11 @@ void run_ahead_once(std::vector<HeadSample>& rows) {
   rows[30].time += std::chrono::hours(1);
 }
 
+void lose_tracking(std::vector<HeadSample>& rows) {
+  for (std::size_t i = 10; i < rows.size(); i += 25)
+    rows[i].recorded_from_head = {glm::dquat(0, 0, 0, 0), glm::dvec3(i % 2 == 0 ? 0.0 : NAN)};
+}
+
 void off_unit(std::vector<HeadSample>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     glm::dquat& q = rows[i].recorded_from_head.rotation;
@@ -109,6 +114,7 @@ std::vector<Case> head_cases() {
       fault("trace-repeated", "every seventh stamp is the one before", repeat_stamps),
       fault("trace-backward", "every 25th stamp 40 ms back", step_back),
       fault("trace-one-stamp-ahead", "one stamp an hour ahead of the rest", run_ahead_once),
+      fault("trace-lost", "every 25th row zeros or NaN, as without tracking", lose_tracking),
       fault("trace-off-unit-1e-3", "quaternions off unit by 1e-3", off_unit),
       fault("trace-sign-flips", "every other quaternion negated", other_sign),
       head(

@@ -14,9 +14,9 @@ Setting with_fov(double half_degrees) {
   return setting;
 }
 
-Setting first_row(const std::function<void(HeadSample&)>& change) {
+Setting every_row(const std::function<void(HeadSample&)>& change) {
   Setting setting = ordinary();
-  change(setting.head.samples[3]);
+  std::ranges::for_each(setting.head.samples, change);
   return setting;
 }
 
@@ -87,12 +87,12 @@ std::vector<Case> refused_cases() {
   return {
       client("refused-fov-180", "a fov of 180 degrees", [] { return with_fov(90); }),
       client("refused-fov-empty", "a fov of 0 degrees", [] { return with_fov(0); }),
-      client("refused-head-off-unit", "a quaternion of length 1.1",
-             [] { return first_row([](HeadSample& s) { s.recorded_from_head.rotation *= 1.1; }); }),
-      client("refused-head-nan", "a head at NaN",
-             [] { return first_row([](HeadSample& s) { s.recorded_from_head.translation.x = NAN; }); }),
-      client("refused-head-2e9m", "a head 2e9 m out",
-             [] { return first_row([](HeadSample& s) { s.recorded_from_head.translation.x = 2e9; }); }),
+      client("refused-head-off-unit", "quaternions of length 1.1",
+             [] { return every_row([](HeadSample& s) { s.recorded_from_head.rotation *= 1.1; }); }),
+      client("refused-head-nan", "heads at NaN",
+             [] { return every_row([](HeadSample& s) { s.recorded_from_head.translation.x = NAN; }); }),
+      client("refused-head-2e9m", "heads 2e9 m out",
+             [] { return every_row([](HeadSample& s) { s.recorded_from_head.translation.x = 2e9; }); }),
       client("refused-trace-descending", "stamps that run backward all the way", descending),
       client("refused-delay", "masks 501 ms late",
              [] {
