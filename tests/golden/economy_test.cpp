@@ -351,13 +351,13 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     return {std::move(result), renderer.counters()};
   }
 
-  Mask traced(const FrameRequest& request) const {
+  Mask traced(const FrameMoment& moment) const {
     Expected<Tracer> tracer = Tracer::create(scene_);
     ShadowFrame frame;
-    tracer->trace(request, frame);
-    const ReceivedTiles all(TileGrid{request.views[0].size}.count(),
+    tracer->trace({moment}, frame);
+    const ReceivedTiles all(TileGrid{moment.views[0].size}.count(),
                             all_planes_received(frame.masks[0].layout()));
-    return {request.frame, kThen, request.views, std::move(frame.masks), {all, all}};
+    return {moment.frame, kThen, moment.views, std::move(frame.masks), {all, all}};
   }
 
   Scene scene_ = load_scene(GetParam()).value();

@@ -82,7 +82,7 @@ TEST(MaskStream, SendsWhatItHasPlanned) {
 TEST(MaskStream, WithoutALinkAsksAndReceivesNothing) {
   const FrameSettings settings;
   const SceneState state;
-  const FrameMoment shown{FrameId{1}, {}, {}, {}, {}};
+  const FrameRequest shown{{FrameId{1}, {}, {}, {}, {}}};
   const FrameInputs inputs{shown, state, kPeriod, settings};
   MaskStream mask_stream(nullptr, {}, {});
   EXPECT_FALSE(mask_stream.plan(inputs, kMasks));
