@@ -255,10 +255,6 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--stand", "1,2,nan"}, "--stand"},
       {{"--trace-scale", "0"}, "--trace-scale"},
       {{"--trace-scale", "nan"}, "--trace-scale"},
-      {{"--trace-axes", "zup"}, "unknown axes 'zup'"},
-      {{"--trace-axes", "unity/ros"}, "left-handed"},
-      {{"--trace-units", "min"}, "--trace-units"},
-      {{"--trace-quaternion", "wzyx"}, "--trace-quaternion"},
       {{"--pictures", "-1"}, "--pictures"},
       {{"--predictor", "oracle"}, "--predictor"},
       {{"--predictor", ""}, "--predictor"},
@@ -277,6 +273,19 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
     EXPECT_NE(outcome.errors.find(named), std::string::npos) << outcome.errors;
     EXPECT_TRUE(outcome.errors.starts_with("vr_client: ")) << outcome.errors;
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  }
+}
+
+TEST(ReadOptions, RefusesUnknownWaysToReadAHeadRecording) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"--trace-axes", "zup"}, "unknown axes 'zup'"},
+      {{"--trace-axes", "unity/ros"}, "left-handed"},
+      {{"--trace-units", "min"}, "--trace-units"},
+      {{"--trace-quaternion", "wzyx"}, "--trace-quaternion"}};
+  for (const auto& [arguments, named] : wrong) {
+    const Outcome outcome = read_more(arguments);
+    ASSERT_FALSE(outcome.options.has_value()) << named;
+    EXPECT_NE(outcome.errors.find(named), std::string::npos) << outcome.errors;
   }
 }
 
