@@ -11,7 +11,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/net/impaired_port.h"
 #include "vr_client/frame/reference.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 #include "vr_client/options.h"
 #include "vr_client/record/capture_file.h"
 

@@ -14,7 +14,7 @@
 #include "stereo/reproject/reprojection.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/scene/start_pose.h"
-#include "vr_client/ask/request_plan.h"
+#include "stereo/requests/request_plan.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
 #include "vr_client/pair/pair.h"

@@ -102,6 +102,20 @@ bool RequestRecord::complete() const {
   return has_planes && complete(Side::Left) && complete(Side::Right);
 }
 
+TracedMask mask_of(const RequestRecord& record) {
+  const FrameRequest& request = record.request;
+  return {request.frame,
+          request.display_time,
+          request.scene_time,
+          request.views,
+          record.masks,
+          record.received_tiles,
+          std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
+          record.light_set_revision,
+          &request.requested,
+          record.origin.requested_at};
+}
+
 Assembler::Assembler(std::size_t frames) : slots_(frames) {
   for (std::size_t slot = 0; slot < frames; ++slot) slots_[slot].slot = slot;
   check(frames > kKept, "an assembler has room for more than what it keeps");

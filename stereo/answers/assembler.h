@@ -13,6 +13,7 @@
 #include "stereo/codec/plane_codec.h"
 #include "stereo/codec/slice.h"
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/frame/traced_mask.h"
 #include "stereo/messages/messages.h"
 
 namespace farshade {
@@ -74,6 +75,9 @@ struct RequestRecord {
     return tiles_known[0] + tiles_known[1] + gbuffer.tiles_known + video.parts_known;
   }
 };
+
+/// The masks of an answer. References to the record are kept.
+[[nodiscard]] TracedMask mask_of(const RequestRecord& record);
 
 struct AssemblerCounters {
   std::uint64_t slices = 0;      ///< accepted slices and parts, without duplicates

@@ -10,7 +10,7 @@
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "tests/support/packed.h"
-#include "vr_client/ask/request_plan.h"
+#include "stereo/requests/request_plan.h"
 
 namespace farshade::bench {
 namespace {

@@ -13,7 +13,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "tests/preview/x_screen.h"
-#include "vr_client/ask/request_plan.h"
+#include "stereo/requests/request_plan.h"
 #include "vr_client/preview/panel.h"
 #include "vr_client/preview/presenter.h"
 

@@ -14,7 +14,7 @@
 #include "stereo/base/quantile.h"
 #include "stereo/gltf/gltf.h"
 #include "stereo/net/udp.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 
 namespace {
 

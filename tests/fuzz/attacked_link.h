@@ -12,7 +12,7 @@
 #include "tests/support/fixed_random.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/answers_from.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 
 namespace farshade::fuzz {
 

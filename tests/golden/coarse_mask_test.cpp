@@ -7,7 +7,7 @@
 #include "stereo/image/difference.h"
 #include "stereo/math/rotation.h"
 #include "tests/golden/test_rig.h"
-#include "vr_client/ask/request_plan.h"
+#include "stereo/requests/request_plan.h"
 
 namespace farshade {
 namespace {

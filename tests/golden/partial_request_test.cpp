@@ -1,6 +1,6 @@
 /// Partial requests, with a renderer and a tracer but without a network: each mask is composed of what was
 /// reprojected and what was asked for, and is the base of the next one.
-#include "vr_client/modes/partial_request.h"
+#include "stereo/partial_request/partial_request.h"
 
 #include "stereo/answers/frame_packer.h"
 #include "stereo/base/check.h"

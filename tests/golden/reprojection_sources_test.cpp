@@ -6,7 +6,7 @@
 #include "stereo/frame/tiles.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
-#include "vr_client/ask/guard_band.h"
+#include "stereo/requests/guard_band.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/integration/client_program.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 
 namespace farshade {
 

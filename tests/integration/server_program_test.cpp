@@ -14,7 +14,7 @@
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 
 namespace farshade {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
-#include "vr_client/ask/guard_band.h"
+#include "stereo/requests/guard_band.h"
 
 namespace farshade {
 namespace {

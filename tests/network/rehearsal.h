@@ -12,7 +12,7 @@
 #include "stereo/plan/scene_plan.h"
 #include "tests/support/virtual_link.h"
 #include "vr_client/frame/frame_loop.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/report/measure.h"
 

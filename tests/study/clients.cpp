@@ -8,9 +8,9 @@
 #include "stereo/scene/viewpoint.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
-#include "vr_client/ask/guard_band.h"
-#include "vr_client/ask/request_plan.h"
-#include "vr_client/modes/partial_request.h"
+#include "stereo/requests/guard_band.h"
+#include "stereo/requests/request_plan.h"
+#include "stereo/partial_request/partial_request.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade::study {

@@ -4,8 +4,8 @@
 
 #include "stereo/draw/renderer.h"
 #include "stereo/scene/scene_state.h"
-#include "vr_client/ask/request_plan.h"
-#include "vr_client/link/frame_receiver.h"
+#include "stereo/requests/request_plan.h"
+#include "stereo/link/frame_receiver.h"
 
 namespace farshade {
 

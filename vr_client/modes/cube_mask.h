@@ -1,7 +1,7 @@
 /// CubeMask: requests the pairs of faces of the cube mask, and holds their masks (docs/cube-mask.md).
 #pragma once
 
-#include "vr_client/ask/cube_mask_plan.h"
+#include "stereo/requests/cube_mask_plan.h"
 #include "vr_client/modes/mask_stream.h"
 
 namespace farshade {

@@ -15,7 +15,7 @@
 #include "stereo/reproject/motion.h"
 #include "stereo/scene/moving_bounds.h"
 #include "vr_client/modes/make_pipeline.h"
-#include "vr_client/modes/partial_request.h"
+#include "stereo/partial_request/partial_request.h"
 
 namespace farshade {
 namespace {
@@ -170,20 +170,6 @@ std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context) {
 
 std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context) {
   return std::make_unique<ClientPositions>(context);
-}
-
-TracedMask mask_of(const RequestRecord& record) {
-  const FrameRequest& request = record.request;
-  return {request.frame,
-          request.display_time,
-          request.scene_time,
-          request.views,
-          record.masks,
-          record.received_tiles,
-          std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
-          record.light_set_revision,
-          &request.requested,
-          record.origin.requested_at};
 }
 
 void MaskSources::take(std::span<const RequestRecord* const> usable, const RequestRecord* settled) {

@@ -7,9 +7,6 @@
 
 namespace farshade {
 
-/// The masks of an answer. References to the record are kept.
-[[nodiscard]] TracedMask mask_of(const RequestRecord& record);
-
 class MaskSources {
  public:
   /// `is_animated`: the scene has animations, so a mask is exact at one scene time only.

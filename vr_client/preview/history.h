@@ -5,7 +5,7 @@
 #include <deque>
 
 #include "vr_client/frame/frame_loop.h"
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -9,7 +9,7 @@
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "stereo/image/codec.h"
-#include "vr_client/ask/request_plan.h"
+#include "stereo/requests/request_plan.h"
 
 namespace farshade {
 namespace {

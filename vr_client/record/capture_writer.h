@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "vr_client/link/network_link.h"
+#include "stereo/link/network_link.h"
 #include "vr_client/record/capture_file.h"
 
 namespace farshade {

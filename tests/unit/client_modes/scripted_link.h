@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "tests/support/packed.h"
-#include "vr_client/link/frame_receiver.h"
+#include "stereo/link/frame_receiver.h"
 
 namespace farshade::modes_test {
 

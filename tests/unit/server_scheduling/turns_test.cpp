@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vr_client/ask/guard_band.h"
+#include "stereo/requests/guard_band.h"
 
 namespace farshade {
 namespace {
