@@ -49,9 +49,12 @@ class StepNumbers {
 
 class ShownProgress {
  public:
+  ShownProgress() = default;
   ~ShownProgress() {
     if (on_terminal_) fmt::print(stderr, "\x1b[K");
   }
+  ShownProgress(const ShownProgress&) = delete;
+  ShownProgress& operator=(const ShownProgress&) = delete;
   /// Any thread may call it. Returns the progress in words.
   std::string add_one(std::size_t all) {
     const std::lock_guard lock(mutex_);

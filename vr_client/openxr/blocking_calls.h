@@ -11,6 +11,8 @@ namespace farshade::openxr {
 class BlockingCalls {
  public:
   BlockingCalls();
+  BlockingCalls(const BlockingCalls&) = delete;
+  BlockingCalls& operator=(const BlockingCalls&) = delete;
   ~BlockingCalls();
 
   /// Runs `call` on the thread and waits for it. While it blocks, asks `goes_on` every 100 ms, on the

@@ -18,6 +18,8 @@ class HeadsetSession {
   /// Keeps the references.
   HeadsetSession(Instance& instance, const gpu::Device& device, const HeadsetSetup& setup)
       : instance_(instance), device_(device), setup_(setup) {}
+  HeadsetSession(const HeadsetSession&) = delete;
+  HeadsetSession& operator=(const HeadsetSession&) = delete;
   ~HeadsetSession();
 
   [[nodiscard]] Expected<void> open();

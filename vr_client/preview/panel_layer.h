@@ -17,6 +17,8 @@ class PanelLayer {
  public:
   /// `format` is the format of the swapchain. Both references are kept.
   PanelLayer(const gpu::Device& device, Window& window, vk::Format format);
+  PanelLayer(const PanelLayer&) = delete;
+  PanelLayer& operator=(const PanelLayer&) = delete;
   ~PanelLayer();
 
   /// True if the image is outdated, has the wrong size, or the user interacts with the panel. Then call

@@ -15,6 +15,8 @@ class Presenter {
   /// The device must have been opened with `window.presentation()`. `eyes` is the image for ComposePass. All
   /// references are kept.
   Presenter(const gpu::Device& device, Window& window, const gpu::Image& eyes);
+  Presenter(const Presenter&) = delete;
+  Presenter& operator=(const Presenter&) = delete;
   ~Presenter();
 
   /// Shows other eyes from now on: another image for ComposePass. The image so far may be gone, if the device

@@ -22,6 +22,8 @@ class CaptureWriter {
   [[nodiscard]] LinkListener listener();
 
   ~CaptureWriter() { static_cast<void>(finish()); }
+  CaptureWriter(const CaptureWriter&) = delete;
+  CaptureWriter& operator=(const CaptureWriter&) = delete;
 
   /// Unavailable if a file exists at `path`. An empty path is no file.
   [[nodiscard]] static Expected<void> may_create(const std::filesystem::path& path);
