@@ -9,9 +9,9 @@
 #include "stereo/base/stages.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
+#include "stereo/link/network_link.h"
 #include "stereo/net/impaired_port.h"
 #include "vr_client/frame/reference.h"
-#include "stereo/link/network_link.h"
 #include "vr_client/options.h"
 #include "vr_client/record/capture_file.h"
 

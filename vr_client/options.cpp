@@ -283,11 +283,14 @@ void check_fetch(const Options& options) {
 }
 
 /// A replay takes these options from its capture, or does not need them.
-constexpr std::array kNotInReplay{
-    "--trace-scale", "--trace-axes", "--trace-units", "--trace-quaternion", "--place",  "--stand", "--size",      "--detail-px",   "--frames",   "--skip",
-    "--refresh",      "--server", "--key",   "--insecure",  "--net",         "--mode",     "--bitrate",
-    "--shadow-maps",  "--clock",  "--delay", "--predictor", "--guard-band",  "--ask",      "--mask-every",
-    "--reprojection", "--edges",  "--xr",    "--xr-scale",  "--record-head", "--mask-code"};
+constexpr std::array kNotInReplay{"--trace-scale",  "--trace-axes",  "--trace-units", "--trace-quaternion",
+                                  "--place",        "--stand",       "--size",        "--detail-px",
+                                  "--frames",       "--skip",        "--refresh",     "--server",
+                                  "--key",          "--insecure",    "--net",         "--mode",
+                                  "--bitrate",      "--shadow-maps", "--clock",       "--delay",
+                                  "--predictor",    "--guard-band",  "--ask",         "--mask-every",
+                                  "--reprojection", "--edges",       "--xr",          "--xr-scale",
+                                  "--record-head",  "--mask-code"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "stereo/sealing/handshake.h"
 #include "stereo/net/datagram.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "stereo/sealing/handshake.h"
 #include "stereo/messages/timing.h"
+#include "stereo/sealing/handshake.h"
 
 namespace farshade {
 

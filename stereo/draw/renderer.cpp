@@ -260,8 +260,8 @@ DrawTimes VulkanRenderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot,
-                                     PerEye<Image<float>>& into, const PerEye<HiddenArea>* hidden) {
+DrawTimes VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
+                                     const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "stereo/link/frame_receiver.h"
 #include "stereo/net/arrivals.h"
 #include "stereo/net/datagram.h"
 #include "stereo/sealing/handshake.h"
-#include "stereo/link/frame_receiver.h"
 
 namespace farshade {
 

@@ -11,10 +11,10 @@
 #include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
+#include "stereo/requests/request_plan.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "tests/support/packed.h"
-#include "stereo/requests/request_plan.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "tests/preview/x_screen.h"
 #include "stereo/requests/request_plan.h"
+#include "tests/preview/x_screen.h"
 #include "vr_client/preview/panel.h"
 #include "vr_client/preview/presenter.h"
 

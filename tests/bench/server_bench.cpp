@@ -13,8 +13,8 @@
 #include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/gltf/gltf.h"
-#include "stereo/net/udp.h"
 #include "stereo/link/network_link.h"
+#include "stereo/net/udp.h"
 
 namespace {
 

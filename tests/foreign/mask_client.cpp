@@ -1,12 +1,12 @@
-/// A client of another project: asks rt_server for the masks of one stereo view and prints how many lights its
-/// pixels see. It links the libraries for links and requests, and draws nothing.
+/// A client of another project: asks rt_server for the masks of one stereo view and prints how many lights
+/// its pixels see. It links the libraries for links and requests, and draws nothing.
 #include <cstdio>
 
 #include "stereo/gltf/gltf.h"
 #include "stereo/link/network_link.h"
-#include "stereo/sealing/key_file.h"
 #include "stereo/net/udp.h"
 #include "stereo/requests/request_plan.h"
+#include "stereo/sealing/key_file.h"
 
 namespace {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "rt_server/work/server_core.h"
+#include "stereo/link/network_link.h"
 #include "tests/fuzz/edits.h"
 #include "tests/support/fixed_random.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/answers_from.h"
-#include "stereo/link/network_link.h"
 
 namespace farshade::fuzz {
 

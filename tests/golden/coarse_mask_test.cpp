@@ -6,8 +6,8 @@
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/math/rotation.h"
-#include "tests/golden/test_rig.h"
 #include "stereo/requests/request_plan.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "stereo/frame/tiles.h"
+#include "stereo/requests/guard_band.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
-#include "stereo/requests/guard_band.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

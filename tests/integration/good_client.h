@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "tests/integration/client_program.h"
 #include "stereo/link/network_link.h"
+#include "tests/integration/client_program.h"
 
 namespace farshade {
 

@@ -8,13 +8,13 @@
 #include <thread>
 
 #include "stereo/gltf/gltf.h"
+#include "stereo/link/network_link.h"
 #include "stereo/net/udp.h"
 #include "stereo/sealing/handshake.h"
 #include "tests/integration/child_program.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"
-#include "stereo/link/network_link.h"
 
 namespace farshade {
 namespace {

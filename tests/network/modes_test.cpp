@@ -8,11 +8,11 @@
 #include "stereo/gltf/gltf.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
+#include "stereo/requests/guard_band.h"
 #include "stereo/video/video.h"
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
-#include "stereo/requests/guard_band.h"
 
 namespace farshade {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "rt_server/work/server_core.h"
 #include "stereo/head/head_recording.h"
+#include "stereo/link/network_link.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 #include "tests/support/virtual_link.h"
 #include "vr_client/frame/frame_loop.h"
-#include "stereo/link/network_link.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/report/measure.h"
 

@@ -5,12 +5,12 @@
 
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
+#include "stereo/partial_request/partial_request.h"
+#include "stereo/requests/guard_band.h"
+#include "stereo/requests/request_plan.h"
 #include "stereo/scene/viewpoint.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
-#include "stereo/requests/guard_band.h"
-#include "stereo/requests/request_plan.h"
-#include "stereo/partial_request/partial_request.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade::study {

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "stereo/draw/renderer.h"
-#include "stereo/scene/scene_state.h"
-#include "stereo/requests/request_plan.h"
 #include "stereo/link/frame_receiver.h"
+#include "stereo/requests/request_plan.h"
+#include "stereo/scene/scene_state.h"
 
 namespace farshade {
 

@@ -11,11 +11,11 @@
 #include "stereo/base/check.h"
 #include "stereo/codec/plane_codec.h"
 #include "stereo/frame/position_grid.h"
+#include "stereo/partial_request/partial_request.h"
 #include "stereo/raster/frame_data.h"
 #include "stereo/reproject/motion.h"
 #include "stereo/scene/moving_bounds.h"
 #include "vr_client/modes/make_pipeline.h"
-#include "stereo/partial_request/partial_request.h"
 
 namespace farshade {
 namespace {

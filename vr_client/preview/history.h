@@ -4,8 +4,8 @@
 
 #include <deque>
 
-#include "vr_client/frame/frame_loop.h"
 #include "stereo/link/network_link.h"
+#include "vr_client/frame/frame_loop.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "tests/support/packed.h"
 #include "stereo/link/frame_receiver.h"
+#include "tests/support/packed.h"
 
 namespace farshade::modes_test {
 

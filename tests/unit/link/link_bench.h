@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 
+#include "stereo/link/network_link.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
-#include "stereo/link/network_link.h"
 
 namespace farshade::link_test {
 
