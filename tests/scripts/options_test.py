@@ -10,7 +10,7 @@ BASH_SCRIPTS = ["bench", "demo", "format", "heads", "networks", "prediction", "p
                 "stability", "study", "test"]
 # These three pass the options that they do not know to a program.
 PASSING_ON = {"demo", "networks", "preview"}
-PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/folders", "scripts/mutate", "tests/scenes/heads.py", "tests/scenes/scenes.py", "tests/scripts/function_length.py", "tests/stability/report.py",
+PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/folders", "scripts/frame-path", "scripts/mutate", "tests/scenes/heads.py", "tests/scenes/scenes.py", "tests/scripts/function_length.py", "tests/stability/report.py",
                    "tests/study/compare.py", "tests/study/rivals.py", "tests/study/study.py"]
 
 
@@ -25,7 +25,7 @@ def run(*command):
 class Options(unittest.TestCase):
     def test_the_lists_here_name_every_script(self):
         names = {p.name for p in (ROOT / "scripts").iterdir() if p.suffix == "" and p.is_file()}
-        self.assertEqual(names, {*BASH_SCRIPTS, "build-times", "folders", "mutate"})
+        self.assertEqual(names, {*BASH_SCRIPTS, "build-times", "folders", "frame-path", "mutate"})
 
     def test_help_prints_usage_and_writes_nothing(self):
         commands = [[f"{ROOT}/scripts/{name}"] for name in BASH_SCRIPTS] + [
