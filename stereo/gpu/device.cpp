@@ -246,7 +246,8 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
                : device.is_cpu ? "no GPU was usable, drawing on the CPU"
                                : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
-  device.timeout_ns = options.timeout_ns;
+  // A driver that draws on the CPU does not hang, but shares the cores with all other programs.
+  device.timeout_ns = device.is_cpu ? 10 * options.timeout_ns : options.timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.max_allocations = properties.limits.maxMemoryAllocationCount;
   device.max_image_side_px = properties.limits.maxImageDimension2D;

@@ -1,5 +1,6 @@
 /// A client of another project: asks rt_server for the masks of one stereo view and prints how many lights
 /// its pixels see. It links the libraries for links and requests, and draws nothing.
+#include <bit>
 #include <cstdio>
 
 #include "stereo/gltf/gltf.h"
@@ -46,7 +47,8 @@ Expected<void> ask(const char* scene_file, const char* address, const char* key_
   const Expected<UdpClient> udp = connect_udp(address);
   if (!udp) return tl::unexpected(udp.error());
   const MaskLayout layout{static_cast<std::uint32_t>(scene->lights.size())};
-  NetworkLink link(*udp->port, kSteadyClock, {udp->server, *key, scene->hash, layout}, 8);
+  const SteadyClock clock;
+  NetworkLink link(*udp->port, clock, {udp->server, *key, scene->hash, layout}, 8);
   if (const Expected<void> connected = link.connect(kPatience); !connected) return connected;
 
   RequestPlan plan{RequestSettings{}};
