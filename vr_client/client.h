@@ -74,8 +74,8 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Creates the renderer, with the scene's levels of detail.
 void open_renderer(Client& client, const RendererLimits& limits);
 
-/// Creates the reference tracer unless it exists. It traces every ray, without proofs. Fails if the scene
-/// cannot be traced.
+/// Creates the reference tracer unless it exists. It traces every ray. Fails if the scene cannot be
+/// traced.
 [[nodiscard]] Expected<void> open_reference(Client& client);
 
 /// Creates the tracers that a run needs before its first frame: its own for mode full, which skips the same

@@ -38,7 +38,7 @@ class RunOutputs {
   /// Adds a frame that was shown. Returns what to tell the user.
   [[nodiscard]] std::optional<std::string> watch(const FrameView& view);
 
-  /// Writes everything, also after a run that failed. `summarize` is called once the figures are complete,
+  /// Writes everything. `summarize` is called once the figures are complete,
   /// if the run has figures. Returns the first failure.
   [[nodiscard]] Expected<void> finish(bool was_interrupted, const std::function<Expected<void>()>& summarize);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "stereo/base/check.h"
 #include "stereo/net/explain.h"
 
 namespace farshade {
@@ -44,7 +45,9 @@ const Words& words_of(ClientEvent::Kind kind) {
        "change "
        "until= in the ring"},
   };
-  return *std::ranges::find(kWords, kind, &Words::kind);
+  const auto found = std::ranges::find(kWords, kind, &Words::kind);
+  check(found != std::end(kWords), "each kind has its words");
+  return *found;
 }
 
 }  // namespace

@@ -39,6 +39,7 @@ ClientSession::ClientSession(const SharedKey& key, const Peer& client, const Pub
 Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& sealed,
                                                 std::span<const std::byte> datagram, Time now,
                                                 std::vector<std::byte>& reply, std::size_t room) {
+  if (sealed.version != version_) return refuse(WireRefusal::Version);
   const bool newest = !opener_.window().newest() || sealed.counter > *opener_.window().newest();
   const Decoded<std::span<const std::byte>> opened = opener_.open(sealed, datagram, message_);
   if (!opened) return refuse(opened.error());

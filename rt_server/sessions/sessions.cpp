@@ -33,7 +33,9 @@ const Ending& ending_of(ClientEvent::Kind why) {
       {Revoked, &SessionCounters::revoked, EndReason::Revoked},
       {Expired, &SessionCounters::expired, EndReason::Expired},
   };
-  return *std::ranges::find(kEndings, why, &Ending::why);
+  const auto found = std::ranges::find(kEndings, why, &Ending::why);
+  check(found != std::end(kEndings), "a session ends for one of these reasons");
+  return *found;
 }
 
 }  // namespace

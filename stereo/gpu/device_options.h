@@ -47,7 +47,9 @@ struct DeviceOptions {
   /// Device::presents.
   std::optional<Presentation> presentation = std::nullopt;
   std::optional<VulkanMaker> maker = std::nullopt;  ///< empty: the Vulkan loader
-  std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< after it, a device that has not finished counts as lost
+  /// After it, a device that has not finished counts as lost; one that draws on the CPU after ten times as
+  /// long.
+  std::uint64_t timeout_ns = kGpuTimeout_ns;
 };
 
 }  // namespace farshade::gpu

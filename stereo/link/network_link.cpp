@@ -147,6 +147,9 @@ bool NetworkLink::receive_one(Duration wait) {
 Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
   const Decoded<ServerEnvelope> envelope = open_server_envelope(datagram.bytes);
   if (!envelope) return refuse(envelope.error());
+  const auto version = std::visit([](const auto& any) { return any.version; }, *envelope);
+  if (version != kProtocolVersion && !std::holds_alternative<OpenRefusal>(*envelope))
+    return refuse(WireRefusal::Version);
   if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
   if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
     const bool silent = channel_ && clock_.now() - channel_->last_received > kServerSilenceAfterNoSession;

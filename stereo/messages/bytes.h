@@ -141,7 +141,8 @@ class ByteReader : public VersionedFields {
   std::span<const std::byte> bytes_;
 };
 
-/// A ByteReader or a LayoutRecorder (layout.h), for field lists that differ from those of a ByteWriter.
+/// A ByteReader or a LayoutRecorder (layout_recorder.h), for field lists that differ from those of a
+/// ByteWriter.
 template <class T>
 concept Reader = !std::same_as<T, ByteWriter>;
 

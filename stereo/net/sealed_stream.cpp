@@ -135,7 +135,7 @@ Expected<std::span<const std::byte>> SealedStream::receive(const Waiting& waitin
   // A Sealed has the same layout in both directions.
   const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
   const auto* sealed = envelope ? std::get_if<Sealed>(&*envelope) : nullptr;
-  if (sealed == nullptr || sealed->counter != received_) return strange();
+  if (sealed == nullptr || sealed->version != version_ || sealed->counter != received_) return strange();
   const auto opened = opener_->open(*sealed, *frame, message_);
   if (!opened) return strange();
   ++received_;

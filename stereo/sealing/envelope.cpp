@@ -93,6 +93,13 @@ Decoded<codec::Header> read_header(ByteReader& io, std::size_t most_bytes) {
   return header;
 }
 
+/// What follows the header, to be read as `version` has it.
+ByteReader body_of(ByteReader io, ProtocolVersion version) {
+  std::span<const std::byte> body;
+  io.rest(body);
+  return ByteReader(body, version);
+}
+
 /// Cheapest checks first, so that a flood of Hellos is cheap.
 Decoded<ClientEnvelope> read_hello(ByteReader io, ProtocolVersion version) {
   if (io.remaining() + 7 != kBaseDatagram_bytes) return refuse(WireRefusal::Padding);
@@ -115,9 +122,9 @@ Decoded<ClientEnvelope> read_hello(ByteReader io, ProtocolVersion version) {
 
 void encode(const Envelope& any, std::vector<std::byte>& datagram) {
   datagram.clear();
-  ByteWriter io(datagram);
   std::visit(
       [&]<class Kind>(const Kind& envelope) {
+        ByteWriter io(datagram, envelope.version);
         const codec::Header header{.version = envelope.version, .type = codec::kTypeOf<Kind>};
         fields(io, header);
         fields(io, envelope);
@@ -131,10 +138,11 @@ Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram
   ByteReader io(datagram);
   const Decoded<codec::Header> header = read_header(io, kBaseDatagram_bytes);
   if (!header) return refuse(header.error());
-  if (header->type == codec::kTypeOf<Hello>) return read_hello(io, header->version);
+  if (header->type == codec::kTypeOf<Hello>) return read_hello(body_of(io, header->version), header->version);
   if (!is_spoken(header->version)) return refuse(WireRefusal::Version);
   if (header->type != codec::kTypeOf<Sealed>) return refuse(WireRefusal::Type);
-  Decoded<Sealed> sealed = codec::read<Sealed>(io);
+  ByteReader body = body_of(io, header->version);
+  Decoded<Sealed> sealed = codec::read<Sealed>(body);
   if (!sealed) return refuse(sealed.error());
   sealed->version = header->version;
   return *sealed;
@@ -146,7 +154,9 @@ Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram
   if (!header) return refuse(header.error());
   if (!is_spoken(header->version) && header->type != codec::kTypeOf<OpenRefusal>)
     return refuse(WireRefusal::Version);
-  Decoded<ServerEnvelope> envelope = codec::read_any(std::type_identity<ServerEnvelope>{}, header->type, io);
+  ByteReader body = body_of(io, header->version);
+  Decoded<ServerEnvelope> envelope =
+      codec::read_any(std::type_identity<ServerEnvelope>{}, header->type, body);
   if (envelope) std::visit([&](auto& any) { any.version = header->version; }, *envelope);
   return envelope;
 }

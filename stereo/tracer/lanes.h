@@ -1,9 +1,8 @@
 /// SIMD values of K lanes with the operators of their elements. A comparison gives -1 or 0 in each lane.
 ///
 /// These are the vector extensions of GCC and Clang. GCC does not vectorise plain loops over lanes that
-/// contain several masks. Values are passed by
-/// reference, since the calling convention for passing them by value depends on the machine's instruction
-/// set.
+/// contain several masks. Values are passed by reference, since the calling convention for passing them by
+/// value depends on the machine's instruction set.
 #pragma once
 
 #include <cstdint>

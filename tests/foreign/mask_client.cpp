@@ -16,8 +16,8 @@ using namespace farshade;
 constexpr Duration kPatience = std::chrono::seconds(20), kPeriod = std::chrono::microseconds(13889);
 
 /// A head at the scene's camera.
-FrameRequest shown_from(const Scene& scene) {
-  FrameRequest shown;
+FrameMoment shown_from(const Scene& scene) {
+  FrameMoment shown;
   shown.frame = {1};
   for (const Side side : kSides) {
     const Rigid<Head, Eye> head_from_eye{{1, 0, 0, 0}, {side == Side::Left ? -0.032 : 0.032, 0, 0}};

@@ -8,10 +8,10 @@ namespace farshade {
 
 [[nodiscard]] FrameRequest request_for(const StereoView& views, Time scene_time = {}, FrameId frame = {});
 
-/// The masks of `views` at `scene_time`, by the tracer with its proofs.
+/// The masks of `views` at `scene_time`, by the tracer.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time = {});
 
-/// The same by a tracer without proofs: a reference for other masks.
+/// The same by a tracer that skips no ray: a reference for other masks.
 [[nodiscard]] ShadowFrame reference_traced(const Scene& scene, const StereoView& views, Time scene_time = {});
 
 /// The same view for both eyes.

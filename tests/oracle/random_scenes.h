@@ -1,4 +1,4 @@
-/// Random scenes on which tracing with proofs, tracing without them, and the oracle must agree.
+/// Random scenes on which tracing with skipped rays, tracing without, and the oracle must agree.
 #pragma once
 
 #include <random>

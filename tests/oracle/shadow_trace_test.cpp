@@ -107,7 +107,7 @@ struct Rectangle {
   }
 };
 
-/// A sun shines through an unlit box around the scene, also while that turns. Light maps must not see it.
+/// A sun shines through an unlit box around the scene, also while that turns.
 TEST(ShadowTrace, PassesASky) {
   for (const bool turns : {false, true}) {
     SceneBuilder builder;

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 
+#include "stereo/messages/timing.h"
+
 namespace farshade {
 namespace {
 
 /// If a part of an answer has come, and then nothing more for so long, the rest counts as lost. Longer than
 /// a busy machine holds up a server.
 constexpr Duration kIdle = std::chrono::seconds(1), kPoll = std::chrono::milliseconds(100);
+
+static_assert(kVirtualPatience < kSessionTimeout, "a client that waits for a lost request keeps its session");
 
 }  // namespace
 

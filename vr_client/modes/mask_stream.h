@@ -8,7 +8,7 @@ namespace farshade {
 
 /// In virtual time the client waits in real time for a frame's answer before it draws the frame, so that the
 /// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
-inline constexpr Duration kVirtualPatience = std::chrono::seconds(20);
+inline constexpr Duration kVirtualPatience = std::chrono::seconds(8);
 
 /// In virtual time: waits in real time until the whole answer to `frame` has come, or nothing more of it for
 /// a second, or `patience` is over. True if at least a part has come.

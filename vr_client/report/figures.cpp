@@ -123,8 +123,7 @@ std::vector<Figure> server_times() {
            "The server's work on an answer: scene update, primary visibility, shadow rays, draw, code and "
            "pack, without waiting.",
            [](const Report& r) { return total_work(r); }),
-      time("scene update", kServed,
-           "Bringing vertices, hierarchies and light maps to the time of the request.",
+      time("scene update", kServed, "Bringing vertices and hierarchies to the time of the request.",
            [](const Report& r) { return r.update; }),
       time("primary visibility", kServed, "Finding the surface point of each requested pixel.",
            [](const Report& r) { return r.primary; }),

@@ -134,6 +134,16 @@ TEST(ServerCore, AClientOfThePreviousVersionGetsItsMasksInThatVersion) {
   EXPECT_EQ(old.no_session, 1u);
 }
 
+TEST(ServerCore, ASessionKeepsItsVersion) {
+  Bench bench;
+  ASSERT_TRUE(bench.client.connect(1s));
+  const SessionKeys& keys = *bench.client.keys;
+  bench.client.sealer.emplace(keys.session, keys.to_server, keys.sealing, kPreviousVersion);
+  bench.client.say(bench.client.ask(request(1)));
+  EXPECT_FALSE(bench.client.hear(1s));
+  EXPECT_EQ(bench.client.reports, 0u);
+}
+
 TEST(ServerCore, ReportsTheFrameAndItsCost) {
   Bench bench;
   ASSERT_TRUE(bench.client.connect(1s));
