@@ -6,10 +6,10 @@
 /// | openxr | right, up, back | the same | OpenXR 1.1, section 2.16; also ARKit and ARCore |
 /// | ros | ahead, left, up | the same | ROS REP 103 |
 /// | optical | right, down, ahead | the same | ROS REP 103, optical frames; SLAM without gravity, KITTI |
-/// | euroc-imu | ahead, left, up | up, right, ahead | EuRoC MAV, body frame of its sensor; VINS, OpenVINS,
-/// Kimera on it | | unity | right, up, ahead; left-handed | the same | Unity manual | | unreal | ahead,
-/// right, up; left-handed, cm | the same | Unreal Engine documentation | | ned | ahead, right, down | the
-/// same | AirSim, TartanAir |
+/// | euroc-imu | ahead, left, up | up, right, ahead | EuRoC MAV, body frame of its sensor |
+/// | unity | right, up, ahead; left-handed | the same | Unity manual |
+/// | unreal | ahead, right, up; left-handed, cm | the same | Unreal Engine documentation |
+/// | ned | ahead, right, down | the same | AirSim, TartanAir |
 #pragma once
 
 #include <string>

@@ -5,6 +5,7 @@
 /// The sign tells which vertical fov angle is up and which is down.
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "stereo/base/quantile.h"
 #include "stereo/head/formats.h"
@@ -57,7 +58,15 @@ struct Pairs {
   SampleList samples;
   std::vector<double> distances, rightward;  ///< world units; rightward is along +x of the head
   PerEye<EyeFov> fov;
+  std::optional<EyeRow> left;  ///< the row that waits for its right row
+  bool lacks_left = false;     ///< the last left row was bad, and its pair is counted
 };
+
+/// A row without a view is the one that is due.
+bool is_right(const Expected<EyeRow>& row, std::string_view view, const Pairs& pairs) {
+  if (row) return row->view == 1;
+  return view == "1" || (view != "0" && (pairs.left || pairs.lacks_left));
+}
 
 Expected<void> add_pair(const EyeRow& left, const EyeRow& right, Pairs& pairs) {
   if (left.rotation != right.rotation)
@@ -74,32 +83,40 @@ Expected<void> add_pair(const EyeRow& left, const EyeRow& right, Pairs& pairs) {
   return pairs.samples.add(left.place, left.stamp, 0.5 * (left.position + right.position), left.rotation);
 }
 
+tl::unexpected<Error> out_of_turn(rows::Place place) {
+  return rows::fail_at(place, Fault::Malformed, "left and right rows should alternate");
+}
+
+void take_left(const Expected<EyeRow>& row, rows::Place place, Pairs& pairs) {
+  if (pairs.left) pairs.samples.leave_out(out_of_turn(place).value());
+  pairs.left = row ? std::optional(*row) : std::nullopt;
+  pairs.lacks_left = !row;
+  if (!row) pairs.samples.leave_out(row.error());
+}
+
+void take_right(const Expected<EyeRow>& row, rows::Place place, Pairs& pairs) {
+  const std::optional<EyeRow> left = std::exchange(pairs.left, std::nullopt);
+  if (std::exchange(pairs.lacks_left, false)) return;
+  Expected<void> added = out_of_turn(place);
+  if (left) added = row ? add_pair(*left, *row, pairs) : tl::unexpected(row.error());
+  if (!added) pairs.samples.leave_out(added.error());
+}
+
 }  // namespace
 
 Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view name, double units_a_metre,
                                       const HeadFileOptions& options) {
   Pairs pairs;
   rows::Lines lines(text, name);
-  std::string_view line;
-  (void)lines.next(line);  // the column names, which identified the format
   std::vector<std::string_view> fields;
-  std::optional<EyeRow> left;
-  while (lines.next(line)) {
+  for (std::string_view line; lines.next(line);) {
+    if (is_comment(line) || line.starts_with("ViewIndex,")) continue;
     rows::split(line, ',', fields);
-    Expected<EyeRow> row = read_row(fields, lines.place());
-    const bool is_next = row && row->view == (left ? 1u : 0u);
-    if (row && !is_next)
-      row = rows::fail_at(row->place, Fault::Malformed, "left and right rows should alternate");
-    if (!row) {
-      pairs.samples.leave_out(row.error());
-      left.reset();
-    } else if (!left) {
-      left = *row;
-    } else {
-      if (const Expected<void> added = add_pair(*left, *row, pairs); !added)
-        pairs.samples.leave_out(added.error());
-      left.reset();
-    }
+    const Expected<EyeRow> row = read_row(fields, lines.place());
+    if (is_right(row, fields.front(), pairs))
+      take_right(row, lines.place(), pairs);
+    else
+      take_left(row, lines.place(), pairs);
   }
   if (quantile(pairs.rightward, 0.5) < 0)
     return fail(Fault::Malformed, std::string(name) + ": the right eye lies left of the left eye");

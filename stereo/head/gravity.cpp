@@ -1,7 +1,9 @@
 #include "stereo/head/gravity.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
+#include <numbers>
 
 namespace farshade {
 namespace {
@@ -25,6 +27,16 @@ Walk walk_of(std::span<const HeadSample> samples) {
   return walk;
 }
 
+/// The mean outer product of the heads' right directions.
+glm::dmat3 rights_of(std::span<const HeadSample> samples) {
+  glm::dmat3 rights(0.0);
+  for (const HeadSample& sample : samples) {
+    const glm::dvec3 right = sample.recorded_from_head.rotation * kRight;
+    rights += glm::outerProduct(right, right);
+  }
+  return rights / static_cast<double>(samples.size());
+}
+
 }  // namespace
 
 Posture posture_of(std::span<const HeadSample> samples, double most_off_rad) {
@@ -42,15 +54,19 @@ glm::dquat levelling(std::span<const HeadSample> samples) {
   // Minimises the mean of (up . right of a head)^2 + kPrior |up - y|^2. The prior is as strong as a roll of 6
   // degrees.
   constexpr double kPrior = 0.01;
-  glm::dmat3 rights(0.0);
-  for (const HeadSample& sample : samples) {
-    const glm::dvec3 right = sample.recorded_from_head.rotation * kRight;
-    rights += glm::outerProduct(right, right);
-  }
-  rights /= static_cast<double>(samples.size());
-  const glm::dvec3 up = glm::normalize(glm::inverse(rights + glm::dmat3(kPrior)) * kUp);
+  const glm::dvec3 up = glm::normalize(glm::inverse(rights_of(samples) + glm::dmat3(kPrior)) * kUp);
   const glm::dvec3 axis = glm::cross(up, kUp);
   return glm::normalize(glm::dquat(1.0 + glm::dot(up, kUp), axis.x, axis.y, axis.z));
+}
+
+double turn_width(std::span<const HeadSample> samples) {
+  // O. K. Smith, "Eigenvalues of a symmetric 3x3 matrix", 1961. The trace is 1.
+  const glm::dmat3 apart = rights_of(samples) - glm::dmat3(1.0 / 3);
+  double squares = 0;
+  for (int i = 0; i < 3; ++i) squares += glm::dot(apart[i], apart[i]);
+  const double p = std::sqrt(squares / 6);
+  const double angle = std::acos(std::clamp(glm::determinant(apart / p) / 2, -1.0, 1.0)) / 3;
+  return 1.0 / 3 + 2 * p * std::cos(angle - 2 * std::numbers::pi / 3);
 }
 
 void turn(std::span<HeadSample> samples, const glm::dquat& rotation) {

@@ -24,6 +24,11 @@ enum class Posture : std::uint8_t {
 /// so its pitch stays.
 [[nodiscard]] glm::dquat levelling(std::span<const HeadSample> samples);
 
+/// How widely the heads turn about the vertical, from 0 (one direction) to 1/2 (all directions equally): the
+/// second eigenvalue of the mean outer product of their right directions. Only a wide turn tells the
+/// direction about which heads do not roll from the axis of a neck that is bent.
+[[nodiscard]] double turn_width(std::span<const HeadSample> samples);
+
 /// Rotates everything about the first head.
 void turn(std::span<HeadSample> samples, const glm::dquat& rotation);
 

@@ -70,6 +70,7 @@ constexpr std::string_view kRotation[] = {"q",          "o",   "rot",    "rotati
                                           "quaternion", "ori", "orient", "orientation"};
 constexpr std::string_view kTime[] = {"timestamp", "timestamps", "time", "stamp",  "t",
                                       "ts",        "sec",        "secs", "seconds"};
+constexpr std::string_view kSeconds[] = {"sec", "secs", "seconds"};
 constexpr std::string_view kNanoseconds[] = {"nsec", "nsecs", "nanosec", "nanosecs"};
 constexpr std::string_view kTracked[] = {"valid", "tracked", "istracked"};
 constexpr std::string_view kAngles[] = {"roll", "pitch", "yaw", "euler"};
@@ -77,12 +78,19 @@ constexpr std::string_view kAngles[] = {"roll", "pitch", "yaw", "euler"};
 constexpr std::string_view kOther[] = {"gaze",     "velocity",  "vel",  "left",       "right",
                                        "lefthand", "righthand", "hand", "controller", "covariance"};
 
-/// What a column holds: 'T' a time stamp, 'V' whether tracking is valid, "xyz" a coordinate of the position,
-/// "XYZW" one of the quaternion, 0 anything else.
-char role_of(const std::vector<std::string>& words) {
+/// Words after a bare coordinate, as in "x [m]".
+constexpr std::string_view kLengths[] = {"m", "cm", "mm"};
+/// Roles of coordinates without a word for position, in the order x, y, z.
+constexpr std::string_view kBare = "123";
+
+/// What a column holds: 'T' a time stamp, 'V' whether tracking is valid, "xyz" a coordinate of the position
+/// (kBare: perhaps), "XYZW" one of the quaternion, 0 anything else. Sets `group` to the words without the
+/// letter, which are equal for all coordinates of one vector.
+char role_of(const std::vector<std::string>& words, std::string& group) {
   if (words.empty() || has(words, kOther)) return 0;
   enum class Kind : std::uint8_t { Unknown, Position, Rotation } kind = Kind::Unknown;
   char letter = 0;
+  std::size_t letter_at = 0;
   for (const std::string& word : words) {
     const std::string_view start = std::string_view(word).substr(0, word.size() - 1);
     const bool ends = std::string_view("xyzw").find(word.back()) != std::string_view::npos;
@@ -92,11 +100,17 @@ char role_of(const std::vector<std::string>& words) {
     if (kind == Kind::Unknown && is(kPosition)) kind = Kind::Position;
     if (kind == Kind::Unknown && is(kRotation)) kind = Kind::Rotation;
     if (ends &&
-        (start.empty() || std::ranges::count(kPosition, start) + std::ranges::count(kRotation, start) > 0))
+        (start.empty() || std::ranges::count(kPosition, start) + std::ranges::count(kRotation, start) > 0)) {
       letter = word.back();  // the last one: in p_WS_W_x, W is a frame
+      letter_at = group.size() + start.size();
+    }
+    group += word + ' ';
   }
-  const bool is_bare = kind == Kind::Unknown && words.size() <= 2;  // "x [m]"
-  if (letter && (kind == Kind::Position || is_bare)) return letter;
+  if (letter) group[letter_at] = '?';
+  const bool is_bare = kind == Kind::Unknown && words.front().size() == 1 &&
+                       (words.size() == 1 || (words.size() == 2 && std::ranges::count(kLengths, words[1])));
+  if (letter && kind == Kind::Position) return letter;
+  if (letter && letter != 'w' && is_bare) return kBare[static_cast<std::size_t>(letter - 'x')];
   if (letter && kind == Kind::Rotation) return static_cast<char>(std::toupper(letter));
   if (has(words, kTime)) return 'T';
   return has(words, kTracked) ? 'V' : '\0';
@@ -123,7 +137,23 @@ std::optional<TimeUnit> unit_named(const std::vector<std::string>& words) {
 struct Names {
   std::string roles;  ///< one of each column
   std::vector<std::vector<std::string>> words;
+  std::vector<std::string> groups;
 };
+
+bool has_roles(const Names& names, std::string_view roles) {
+  return std::ranges::all_of(roles, [&](char role) { return names.roles.find(role) != std::string::npos; });
+}
+
+/// The first of adjacent columns with these roles that belong to one vector. npos: there are none.
+std::size_t first_with(const Names& names, std::string_view roles) {
+  for (std::size_t at = names.roles.find(roles); at != std::string::npos;
+       at = names.roles.find(roles, at + 1))
+    if (std::all_of(names.groups.begin() + static_cast<std::ptrdiff_t>(at),
+                    names.groups.begin() + static_cast<std::ptrdiff_t>(at + roles.size()),
+                    [&](const std::string& group) { return group == names.groups[at]; }))
+      return at;
+  return std::string::npos;
+}
 
 Names names_of(std::string_view line) {
   std::vector<std::string_view> fields;
@@ -131,25 +161,36 @@ Names names_of(std::string_view line) {
   Names names;
   for (const std::string_view field : fields) {
     names.words.push_back(words_of(field));
-    names.roles += role_of(names.words.back());
+    names.groups.emplace_back();
+    names.roles += role_of(names.words.back(), names.groups.back());
   }
+  const bool has_position = has_roles(names, "xyz");
+  for (char& role : names.roles)
+    if (const std::size_t bare = kBare.find(role); bare != kBare.npos)
+      role = has_position ? '\0' : "xyz"[bare];
   return names;
 }
 
 bool is_complete(const Names& names) {
-  return std::ranges::all_of(std::string_view("TxyzXYZW"),
-                             [&](char role) { return names.roles.find(role) != std::string::npos; });
+  return has_roles(names, "TxyzXYZW");
+}
+
+/// Whether a comment seems to name as many columns as `row` has. Words of a sentence name no coordinate.
+bool names_some_of(const Names& names, std::string_view comment, const std::vector<std::string_view>& row) {
+  return names.words.size() == row.size() && has_roles(names, "T") &&
+         (comment.find(',') != comment.npos || names.roles.find_first_of("xyzXYZW") != std::string::npos);
 }
 
 /// The layout that complete names tell.
 Expected<Layout> layout_named(const Names& names, rows::Place place) {
-  Layout layout{.columns = names.words.size(), .is_named = true};
-  for (const auto& words : names.words)
-    if (has(words, kNanoseconds))
+  Layout layout{.is_named = true};
+  const auto first = [&](std::string_view roles) { return first_with(names, roles); };
+  layout.stamp = first("T");
+  const bool in_ns = has(names.words[layout.stamp], kNanoseconds);
+  for (std::size_t i = 0; i < names.words.size(); ++i)
+    if (i != layout.stamp && (has(names.words[i], kNanoseconds) || (in_ns && has(names.words[i], kSeconds))))
       return rows::fail_at(place, Fault::Unsupported,
                            "time stamps are split into seconds and nanoseconds: join them in one column");
-  const auto first = [&](std::string_view roles) { return names.roles.find(roles); };
-  layout.stamp = first("T");
   layout.unit = unit_named(names.words[layout.stamp]);
   layout.position = first("xyz");
   const std::size_t wxyz = first("WXYZ"), xyzw = first("XYZW");
@@ -160,6 +201,8 @@ Expected<Layout> layout_named(const Names& names, rows::Place place) {
         place, Fault::Unsupported,
         "columns should have the order x,y,z of the position, and qw,qx,qy,qz or qx,qy,qz,qw");
   if (const std::size_t valid = first("V"); valid != std::string::npos) layout.tracked = valid;
+  layout.columns =
+      1 + std::max({layout.stamp, layout.position + 2, layout.rotation + 3, layout.tracked.value_or(0)});
   return layout;
 }
 
@@ -196,6 +239,16 @@ Expected<Layout> layout_counted(const std::vector<std::string_view>& fields, cha
       "row has " + std::to_string(count) +
           " columns; without column names, 8, 11 or 17 with commas and 8 with blanks are known: "
           "name the columns in a first line, as `#timestamp,x,y,z,qw,qx,qy,qz`");
+}
+
+/// The layout that a comment with more names than the first row has columns leaves: it only introduces the
+/// names, as `# format: timestamp tx ...`, or has units as further words. The names still tell the order of
+/// the quaternion. A row that is merely cut off keeps the names.
+Expected<Layout> layout_introduced(Expected<Layout> named, const std::vector<std::string_view>& row,
+                                   char separator, rows::Place place) {
+  Expected<Layout> counted = layout_counted(row, separator, place);
+  if (counted && named) counted->order = named->order;
+  return counted || !named || named->columns <= row.size() ? counted : named;
 }
 
 /// Refuses tables as spreadsheets write them in many languages.
@@ -235,10 +288,15 @@ void split_row(std::string_view line, char separator, std::vector<std::string_vi
 Expected<Layout> layout_of(std::string_view text, std::string_view file) {
   rows::Lines lines(text, file);
   Expected<Layout> named = Layout{};
+  std::size_t names_in_comment = 0;
+  std::pair<std::string_view, rows::Place> last_comment;
   for (std::string_view line; lines.next(line);) {
     if (is_comment(line)) {
-      const Names names = names_of(rows::trimmed(line.substr(1)));
-      if (is_complete(names)) named = layout_named(names, lines.place());
+      last_comment = {rows::trimmed(line.substr(1)), lines.place()};
+      if (const Names names = names_of(last_comment.first); is_complete(names)) {
+        named = layout_named(names, lines.place());
+        names_in_comment = names.words.size();
+      }
       continue;
     }
     if (const Expected<void> sound = check_separators(line, lines.place()); !sound)
@@ -251,9 +309,17 @@ Expected<Layout> layout_of(std::string_view text, std::string_view file) {
       if (!is_complete(names)) return refuse_names(names, lines.place());
       named = layout_named(names, lines.place());
       if (named) named->header_line = lines.place().line;
+    } else if (const std::size_t written = fields.size() + (line.back() == separator ? 1 : 0);
+               names_in_comment > written) {
+      named = layout_introduced(std::move(named), fields, separator, lines.place());
+      if (named && !named->is_named) return named;
     }
     if (!named) return named;
-    if (!named->is_named) return layout_counted(fields, separator, lines.place());
+    if (!named->is_named) {
+      const Names names = names_of(last_comment.first);
+      if (names_some_of(names, last_comment.first, fields)) return refuse_names(names, last_comment.second);
+      return layout_counted(fields, separator, lines.place());
+    }
     named->separator = separator;
     named->usual_unit = separator == ' ' ? TimeUnit::Seconds : TimeUnit::Nanoseconds;
     return named;

@@ -14,8 +14,8 @@ enum class QuaternionOrder : std::uint8_t { Wxyz, Xyzw };
 }
 
 struct Layout {
-  char separator = ',';  ///< ' ': runs of blanks
-  std::size_t columns = 8;
+  char separator = ',';                               ///< ' ': runs of blanks
+  std::size_t columns = 8;                            ///< that a row needs
   std::size_t stamp = 0, position = 1, rotation = 4;  ///< first columns
   QuaternionOrder order = QuaternionOrder::Wxyz;
   TimeUnit usual_unit = TimeUnit::Nanoseconds;  ///< of files with this layout
@@ -35,7 +35,8 @@ void split_row(std::string_view line, char separator, std::vector<std::string_vi
 /// The layout of a text that has at least one row. Of an empty text: EuRoC's. Refuses, with the name of the
 /// program or layout if it is known, and line: tables with semicolons or decimal commas, poses without
 /// stamps, matrices, Euler angles, stamps in two columns, quaternions in another order than wxyz and xyzw,
-/// and rows without column names that have another number of columns than known layouts.
+/// a last comment that seems to name the columns but not all that are needed, and rows without column names
+/// that have another number of columns than known layouts.
 [[nodiscard]] Expected<Layout> layout_of(std::string_view text, std::string_view file);
 
 }  // namespace farshade

@@ -15,6 +15,9 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLiesDown_rad = 45 * kDegree;  ///< no head that is worn is so far off on average
 constexpr double kStands_rad = 30 * kDegree;    ///< what other axes must reach to be proposed
 constexpr double kLevel_rad = 3 * kDegree;      ///< a head that leans by less is left as it is
+/// The turn_width that levelling needs. Public recordings reach 0.35, a head that only swings by 0.3 rad
+/// about its neck 0.04.
+constexpr double kLooksAround = 0.25;
 
 QuaternionOrder other(QuaternionOrder order) {
   return order == QuaternionOrder::Wxyz ? QuaternionOrder::Xyzw : QuaternionOrder::Wxyz;
@@ -37,6 +40,16 @@ std::vector<HeadSample> in_stage(std::vector<HeadSample> samples, const Axes& ax
 /// A recording begins near its origin's direction, which tells a turned head from a misread quaternion.
 bool begins_forward(const std::vector<HeadSample>& samples) {
   return angle_between_rad(samples.front().recorded_from_head.rotation, {1, 0, 0, 0}) < std::numbers::pi / 2;
+}
+
+/// Whether only `swapped`, the samples with the other order of quaternions, are of a head that is worn. With
+/// z up, the wrong order turns a head around, so it walks backwards; but that may be due to unknown axes,
+/// too.
+bool is_worn_better(const std::vector<HeadSample>& swapped, const std::vector<HeadSample>& samples,
+                    const HeadFileOptions& options) {
+  const Posture posture = posture_of(samples, kLiesDown_rad), better = posture_of(swapped, kStands_rad);
+  return (posture == Posture::LiesDown && better > posture) ||
+         (posture == Posture::WalksAside && options.axes && better == Posture::WalksAhead);
 }
 
 /// Whether the samples stay within kFarthestHead_m when they turn about the first.
@@ -99,23 +112,26 @@ Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& fact
   if (upright.order != facts.order_read) samples = reordered(std::move(samples), facts.order_read);
   const bool axes_known = options.axes || facts.states_axes,
              order_known = options.order || facts.states_order;
-  if (!axes_known && !order_known && posture_of(samples, kLiesDown_rad) == Posture::LiesDown)
-    if (std::vector<HeadSample> swapped = reordered(samples, upright.order);
-        posture_of(swapped, kStands_rad) > Posture::LiesDown && begins_forward(swapped)) {
+  const Axes axes = options.axes.value_or(Axes());
+  std::vector<HeadSample> read = samples;
+  samples = in_stage(read, axes);
+  if (!facts.states_axes && !order_known)
+    if (std::vector<HeadSample> swapped = in_stage(reordered(read, upright.order), axes);
+        begins_forward(swapped) && is_worn_better(swapped, samples, options)) {
+      read = reordered(std::move(read), upright.order);
       samples = std::move(swapped);
       upright.order = other(upright.order);
     }
-  const std::vector<HeadSample> read = samples;
-  if (options.axes) samples = in_stage(std::move(samples), *options.axes);
   const Posture posture = posture_of(samples, kLiesDown_rad);
   if (posture == Posture::LiesDown || (posture == Posture::WalksAside && !axes_known)) {
     upright.doubt = doubt_about(posture, read, upright.order, order_known);
-  } else if (!axes_known && may_turn(samples)) {
+  } else if (!axes_known && may_turn(samples) && turn_width(samples) >= kLooksAround) {
     const glm::dquat level = levelling(samples);
     const double off_rad = angle_between_rad(level, {1, 0, 0, 0});
     if (off_rad >= kLevel_rad && off_rad <= kLiesDown_rad) {
       turn(samples, level);
-      upright.levelled_rad = off_rad;
+      upright.doubt = fmt::format("levelled by {:.1f} degrees (--trace-axes {} keeps the tilt)",
+                                  off_rad / kDegree, Axes().name);
     }
   }
   return upright;
@@ -140,20 +156,15 @@ std::string read_as(const HeadRecording& recording, const FileFacts& facts, cons
   constexpr std::string_view kGiven = " (given)", kStated = " (stated)", kAssumed = " (assumed)";
   const auto how = [&](bool given, bool stated) { return given ? kGiven : stated ? kStated : kAssumed; };
   const double length_s = seconds_of(recording.end() - recording.start());
-  const std::string levelled =
-      upright.levelled_rad > 0 ? fmt::format(", levelled by {:.1f} degrees (--trace-axes {} keeps the tilt)",
-                                             upright.levelled_rad / kDegree, Axes().name)
-                               : std::string();
   const std::string metres =
       facts.units_a_metre == 1 ? "positions in m" : fmt::format("{:g} units a metre", facts.units_a_metre);
   return fmt::format(
-      "{}: {}, {} samples in {:.1f} s, {:.4g} a second; time stamps in {}{}, quaternions {}{}, axes {}{}, "
-      "{}{}",
+      "{}: {}, {} samples in {:.1f} s, {:.4g} a second; time stamps in {}{}, quaternions {}{}, axes {}{}, {}",
       facts.file, facts.format, recording.samples.size(), length_s,
       static_cast<double>(recording.samples.size() - 1) / length_s, to_string(unit),
       how(options.unit.has_value(), facts.unit.has_value()), to_string(upright.order),
       how(options.order.has_value(), facts.states_order), options.axes.value_or(Axes()).name,
-      how(options.axes.has_value(), facts.states_axes), metres, levelled);
+      how(options.axes.has_value(), facts.states_axes), metres);
 }
 
 }  // namespace farshade

@@ -14,12 +14,12 @@ namespace farshade {
 /// What make_upright did.
 struct Uprightness {
   QuaternionOrder order = QuaternionOrder::Wxyz;
-  double levelled_rad = 0;
-  std::string doubt{};  ///< empty: the heads stand and walk as heads do
+  std::string doubt{};  ///< also that they were levelled; empty: the heads stand and walk as heads do
 };
 
-/// Gives the samples the axes of the stage, and levels them if nobody has stated the axes. If nobody has
-/// stated the order of the quaternions either, and only the other order is upright, takes that one.
+/// Gives the samples the axes of the stage, and levels them if nobody has stated the axes and they look
+/// around widely. If nobody has stated the order of the quaternions, the file does not state its axes, and
+/// only with the other order the head is upright (with given axes, also: walks ahead), takes that one.
 [[nodiscard]] Uprightness make_upright(std::vector<HeadSample>& samples, const FileFacts& facts,
                                        const HeadFileOptions& options);
 

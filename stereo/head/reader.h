@@ -50,8 +50,8 @@ struct HeadFileOptions {
 /// know, files of which more than half of the rows hold no pose, fewer than kFewestSamples samples,
 /// other sample rates, stated axes and units other than those of the stage.
 ///
-/// Without stated axes, heads that are tilted on the whole (by 3 to 45 degrees) are levelled: EyeNavGS has
-/// world axes of a scene that is not level. Sets `read_as` and `doubt`.
+/// Without stated axes, heads that look around widely and are tilted on the whole (by 3 to 45 degrees) are
+/// levelled: EyeNavGS has world axes of a scene that is not level. Sets `read_as` and `doubt`.
 ///
 /// Positions are divided by `units_a_metre`. If it is unset, it is that of the axes, or for EyeNavGS what the
 /// file name says (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); an EyeNavGS file with another name is refused.

@@ -98,6 +98,56 @@ TEST(HeadLayout, TakesTheColumnsOfTheHeadAmongOthers) {
   EXPECT_NE(recording->doubt.find("t.csv:5: tracking was lost"), std::string::npos) << recording->doubt;
 }
 
+TEST(HeadLayout, TakesNoOtherVectorForPositionOrRotation) {
+  const std::string rotation = ",qw,qx,qy,qz\n", rows = text_of({});
+  for (const char* other : {"acc", "gyro", "v", "dir", "euler", "forward", "scale"})
+    expect_refused(fmt::format("time,{0}_x,{0}_y,{0}_z", other) + rotation + rows, "t.csv:1: ");
+  for (const char* position : {"x,y,z", "x [m],y [m],z [m]", "x_cm,y_cm,z_cm"})
+    expect_worn(parse_head_recording(std::string("time,") + position + rotation + rows, "t.csv"));
+  // The position has a word, wherever it stands.
+  std::string text = "x,y,z,rot_x,rot_y,rot_z,quat_w,quat_x,quat_y,quat_z,time,pos_x,pos_y,pos_z\n";
+  for (int i = 0; i < 9; ++i) text += fmt::format("7,8,9,0.1,0.2,0.3,1,0,0,0,{},1,2,3\n", i / 64.0);
+  const auto recording = parse_head_recording(text, "t.csv");
+  ASSERT_TRUE(recording) << recording.error().what;
+  EXPECT_EQ(recording->samples[5].recorded_from_head.translation, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(recording->samples[5].recorded_from_head.rotation, glm::dquat(1, 0, 0, 0));
+}
+
+TEST(HeadLayout, RefusesACommentWhoseNamesItOnlyPartlyKnows) {
+  expect_refused("#timestamp,x,y,z,qi,qj,qk,qr\n" + text_of({.scalar_first = false}),
+                 "t.csv:1: no number and no column names of a head recording: no column of qw, qx, qy, qz");
+  expect_refused("# timestamp tx ty tz qi qj qk qr\n" + text_of({.separator = ' ', .scalar_first = false}),
+                 "no column of qw, qx, qy, qz");
+  expect_refused("#time,east,north,up,qi,qj,qk,qr\n" + text_of({}), "no column of x, y, z, qw");
+  expect_worn(parse_head_recording("# t is the time in seconds since start\n" + text_of({}), "t.csv"));
+}
+
+TEST(HeadLayout, SkipsWordsThatIntroduceTheNames) {
+  const std::string xyzw = text_of({.separator = ' ', .scalar_first = false}),
+                    wxyz = text_of({.separator = ' '});
+  expect_worn(parse_head_recording("# format: timestamp tx ty tz qx qy qz qw\n" + xyzw, "t.txt"));
+  expect_worn(parse_head_recording("# timestamp [s] tx ty tz qx qy qz qw\n" + xyzw, "t.txt"));
+  expect_worn(parse_head_recording("# format: timestamp tx ty tz qw qx qy qz\n" + wxyz, "t.txt"));
+  expect_refused("# format: timestamp tx ty tz qx qy qz qw vx vy\n" +
+                     text_of({.separator = ' ', .scalar_first = false, .more = " 9 9"}),
+                 "row has 10 columns");
+}
+
+TEST(HeadLayout, TakesStampsInNanosecondsAlone) {
+  for (const char* stamp : {"time_nsec", "timestamp [nsec]"})
+    expect_worn(parse_head_recording(
+        stamp + std::string(",x,y,z,qw,qx,qy,qz\n") + text_of({.first = 1.7e18, .step = 13'888'888}),
+        "t.csv"));
+}
+
+TEST(HeadLayout, NeedsOnlyTheColumnsThatItUses) {
+  for (const char* start : {"", "#"})
+    for (const char* more : {",", ",a note", ""})
+      expect_worn(parse_head_recording(start + std::string("time,x,y,z,qx,qy,qz,qw,note\n") +
+                                           text_of({.scalar_first = false, .more = more}),
+                                       "t.csv"));
+}
+
 TEST(HeadLayout, RefusesByName) {
   const auto rows = [](const std::string& row) { return row + "\n" + row + "\n" + row + "\n"; };
   expect_refused(rows("1 0 0 0 0 1 0 0 0 0 1 0"),
@@ -111,6 +161,8 @@ TEST(HeadLayout, RefusesByName) {
   expect_refused("time,x,y,z,qx,qy,qz\n" + rows("1,2,3,4,5,6,7"),
                  "t.csv:1: no number and no column names of a head recording: no column of qw");
   expect_refused("sec,nanosec,x,y,z,qx,qy,qz,qw\n" + rows("1,2,3,4,5,0,0,0,1"), "join them in one column");
+  expect_refused("stamp.nsec,stamp.sec,x,y,z,qx,qy,qz,qw\n" + rows("1,2,3,4,5,0,0,0,1"),
+                 "join them in one column");
   expect_refused("time,x,y,z,qx,qw,qy,qz\n" + rows("1,2,3,4,0,1,0,0"), "columns should have the order");
   expect_refused(rows("1,0 0,0 0,0 0,0 0,0 0,0 0,0 1,0"), "t.csv:1: decimals are written with a comma");
   expect_refused("{\"frames\": []}", "JSON");

@@ -131,6 +131,25 @@ TEST(EyeNavGsRead, LeavesOutALastRowWithoutItsPair) {
   EXPECT_EQ(good(more, 1.0).samples.size(), 3u);
 }
 
+TEST(EyeNavGsRead, CountsABadPairOnceAndSkipsComments) {
+  const auto pair = [](const char* left, const char* right, int ms) {
+    const std::string q = ",0,0,0,1,0,0,0,0,0,0,1,";
+    return std::string(left) + ",-0.942,0.698,-0.942,0.733,-0.03,1,2" + q + std::to_string(ms) + "\n" +
+           right + ",-0.698,0.942,-0.942,0.733,0.03,1,2" + q + std::to_string(ms + 6) + "\n";
+  };
+  const std::string all = "# who: me\n" + kEyeNavGs + "# a break\n" + pair("0", "1", 50);
+  EXPECT_EQ(good(all, 1.0).samples.size(), 4u);
+  EXPECT_EQ(good(all, 1.0).bad_rows, 0u);
+  for (const std::string& bad :
+       {pair("0,nan", "1", 40), pair("0", "1,nan", 40), pair("0,nan", "1,nan", 40), pair("nan", "1", 40),
+        pair("0", "1", 40).substr(0, pair("0", "1", 40).find('\n') + 1)}) {
+    SCOPED_TRACE(bad);
+    const HeadRecording recording = good(replaced(all, "# a break\n", bad), 1.0);
+    EXPECT_EQ(recording.samples.size(), 4u);
+    EXPECT_EQ(recording.bad_rows, 1u);
+  }
+}
+
 TEST(EyeNavGsRead, RefusesWhatIsNoPair) {
   constexpr double metres = 1.0;
   expect_refused(replaced(kEyeNavGs, "\n1,", "\n0,"), Fault::Malformed, "t.csv:3: left and right", metres);
