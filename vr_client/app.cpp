@@ -287,13 +287,13 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
   if (options.pace == Pace::Real)
     draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));
   if (auto done = show(context, frames, outputs, stop, [](const FrameView&) {}); !done) return done;
-  const auto conclude = [&] {
+  const auto conclude = [&, &test = head.test] {
     return summarize(options, client,
                      FinishedRun{.log = *outputs.log(),
                                  .silence = outputs.silence(),
                                  .missed = runtime.skipped(),
                                  .interrupted = stop.has_come(),
-                                 .head_test = head.test});
+                                 .head_test = test});
   };
   if (auto done = outputs.finish(stop.has_come(), conclude); !done) return done;
   if (outputs.captures())
@@ -301,7 +301,9 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                megabytes(outputs.capture().bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
   if (stop.has_come()) return interrupted(options, outputs, frames);
-  return check_answered(client, *outputs.log()).and_then([&] { return check_length(options, frames); });
+  return check_answered(client, *outputs.log()).and_then([&, count = frames] {
+    return check_length(options, count);
+  });
 }
 
 }  // namespace farshade

@@ -35,7 +35,7 @@ Walker::Walker(DatagramPort& port, const LinkTarget& target, Extent size)
 std::optional<PerEye<EyeMask>> Walker::next_masks(Duration patience) {
   frame_ = next(frame_);
   const Time shown(Duration(std::chrono::milliseconds(14)) * frame_.value);
-  link_.request({frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses, size_)}, shown);
+  link_.request({{frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses, size_)}}, shown);
   if (!link_.wait_for(frame_, patience)) return std::nullopt;
   return link_.receiver().find(frame_)->masks;
 }

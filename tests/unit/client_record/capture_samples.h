@@ -46,7 +46,7 @@ inline CapturedMessage received(const ServerMessage& message, Time arrived = {})
 inline CapturedRequest sent_request(std::uint32_t frame) {
   const CapturedFrameInput shown = input(frame);
   return {shown.timing.display_time,
-          {FrameId{frame}, shown.timing.display_time, shown.timing.display_time, shown.views}};
+          {{FrameId{frame}, shown.timing.display_time, shown.timing.display_time, shown.views}}};
 }
 
 inline PerEye<PictureHash> pictures(unsigned first) {

@@ -76,7 +76,7 @@ inline RequestMessage request() {
   right.fov.left_rad = -0.5;
   right.fov.right_rad = 0.75;
   RequestMessage message;
-  message.request = {FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}};
+  message.request = {{FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}}};
   message.request.lights = {
       .revision = {5},
       .lights = {
