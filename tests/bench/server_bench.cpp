@@ -101,7 +101,7 @@ Expected<void> run(const Options& options) {
   RequestHandlers answers;
   answers.add(Answer::Masks, make_masks(*tracer));
   ServerCore core({scene->hash, light_count}, {key}, std::move(answers), **port, clock);
-  NetworkLink link(*client->port, clock, {client->server, key, scene->hash, light_count}, 8);
+  NetworkLink link(*client->port, clock, {client->server, key, scene->hash, {light_count}}, 8);
   {
     std::jthread welcoming([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) core.receive(std::chrono::milliseconds(10));
