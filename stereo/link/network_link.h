@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stereo/link/frame_receiver.h"
+#include "stereo/link/server_connection.h"
 #include "stereo/net/arrivals.h"
 #include "stereo/net/datagram.h"
 #include "stereo/sealing/handshake.h"

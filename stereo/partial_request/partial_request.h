@@ -9,7 +9,7 @@
 #include "stereo/answers/assembler.h"
 #include "stereo/codec/ask_coder.h"
 #include "stereo/draw/renderer.h"
-#include "stereo/link/frame_receiver.h"
+#include "stereo/link/server_connection.h"
 
 namespace farshade {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "stereo/draw/renderer.h"
-#include "stereo/link/frame_receiver.h"
+#include "stereo/link/server_connection.h"
 #include "stereo/requests/request_plan.h"
 #include "stereo/scene/scene_state.h"
 

@@ -4,7 +4,7 @@
 /// wall-clock time.
 #pragma once
 
-#include "stereo/link/frame_receiver.h"
+#include "stereo/link/server_connection.h"
 #include "vr_client/record/capture_reader.h"
 
 namespace farshade {

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "stereo/link/frame_receiver.h"
+#include "stereo/link/server_connection.h"
 #include "tests/support/packed.h"
 
 namespace farshade::modes_test {
