@@ -1,9 +1,14 @@
 #include "stereo/scene/sky.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "stereo/scene/scene_state.h"
 
@@ -11,8 +16,10 @@ namespace farshade {
 namespace {
 
 constexpr double kLeastPart = 0.04, kLeastSky = 0.45;  ///< of all directions
-/// A dome may end a little above the ground: by this share of its size.
-constexpr double kOpen = 0.01;
+/// The ground may reach out of a dome, and a dome may end above the ground: by this part of its half size.
+constexpr double kOpen = 0.5;
+/// Smaller things belong to a sky from this part of its farthest distance on.
+constexpr double kFar = 0.4;
 
 /// The signed solid angle of a triangle as seen from the origin, as a part of the sphere (Van Oosterom and
 /// Strackee 1983).
@@ -35,9 +42,20 @@ double part_of_sphere(const Mesh& mesh, const Affine<Stage, Object>& stage_from_
 }
 
 bool contains(const Bounds& outer, const Bounds& inner) {
-  const double open = kOpen * glm::length(outer.high - outer.low);
+  const glm::dvec3 open = kOpen * 0.5 * (outer.high - outer.low);
   return glm::all(glm::lessThanEqual(outer.low, inner.low + open)) &&
          glm::all(glm::greaterThanEqual(outer.high, inner.high - open));
+}
+
+/// How far the corners of the mesh are from `middle`: the nearest and the farthest.
+std::pair<double, double> distances(const Mesh& mesh, const Affine<Stage, Object>& stage_from_object,
+                                    const glm::dvec3& middle) {
+  std::pair range{std::numeric_limits<double>::infinity(), 0.0};
+  for (const glm::vec3& p : mesh.positions) {
+    const double distance = glm::length(stage_from_object(Point<Object>{glm::dvec3(p)}).v - middle);
+    range = {std::min(range.first, distance), std::max(range.second, distance)};
+  }
+  return range;
 }
 
 Bounds box_of(const Scene& scene, const SceneState& state, std::size_t instance) {
@@ -58,28 +76,33 @@ Bounds bounds_without_sky(const Scene& scene) {
 
 namespace {
 
-/// The instances of the sky, with `also_unlit` taken for an unlit material.
-std::vector<std::size_t> sky_of(const Scene& scene, std::optional<std::uint32_t> also_unlit) {
+/// The instances of the sky, which have materials that may be a sky.
+std::vector<std::size_t> sky_of(const Scene& scene, const std::function<bool(std::uint32_t)>& may_be_sky) {
   const SceneState state = state_at(scene, Time{});
   Bounds lit = kNoPoint;
   std::vector<std::size_t> unlit;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    const std::uint32_t material = scene.meshes[instance.mesh].material;
-    if ((scene.materials[material].unlit || material == also_unlit) && !instance.rig)
+    if (may_be_sky(scene.meshes[instance.mesh].material) && !instance.rig)
       unlit.push_back(i);
     else
       lit = joined(lit, box_of(scene, state, i));
   }
   if (unlit.empty() || unlit.size() == scene.instances.size()) return {};
   const glm::dvec3 middle = (lit.low + lit.high) * 0.5;
+  std::vector<std::pair<double, double>> reach;
+  for (const std::size_t i : unlit)
+    reach.push_back(distances(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], middle));
+  const double far = std::max(glm::length(lit.high - middle),
+                              kFar * std::ranges::max(reach, {}, &std::pair<double, double>::second).second);
   std::vector<std::size_t> sky;
   Bounds around = kNoPoint;
   double filled = 0;
-  for (const std::size_t i : unlit) {
+  for (std::size_t n = 0; n < unlit.size(); ++n) {
+    const std::size_t i = unlit[n];
     const double part =
         part_of_sphere(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], middle);
-    if (part < kLeastPart) continue;
+    if (part < kLeastPart && reach[n].first < far) continue;
     sky.push_back(i);
     around = joined(around, box_of(scene, state, i));
     filled += part;
@@ -91,16 +114,25 @@ std::vector<std::size_t> sky_of(const Scene& scene, std::optional<std::uint32_t>
 }  // namespace
 
 bool would_be_sky(const Scene& scene, std::uint32_t instance) {
-  const auto sky = sky_of(scene, scene.meshes[scene.instances[instance].mesh].material);
+  const std::uint32_t of_instance = scene.meshes[scene.instances[instance].mesh].material;
+  const auto sky =
+      sky_of(scene, [&](std::uint32_t m) { return scene.materials[m].unlit || m == of_instance; });
   return std::ranges::find(sky, instance) != sky.end();
 }
 
 void find_sky(Scene& scene) {
-  const std::vector<std::size_t> sky = sky_of(scene, std::nullopt);
+  const auto is_unlit = [&](std::uint32_t m) { return scene.materials[m].unlit; };
+  const auto is_dark = [&](std::uint32_t m) {
+    return is_unlit(m) || glm::vec3(scene.materials[m].base_color) == glm::vec3(0.0f);
+  };
+  std::vector<std::size_t> sky = sky_of(scene, is_unlit);
+  const bool black = sky.empty();
+  if (black) sky = sky_of(scene, is_dark);
   if (sky.empty()) return;
   for (const std::size_t i : sky) scene.instances[i].casts = false;
-  scene.warnings.push_back("'" + scene.nodes[scene.instances[sky.front()].node].name +
-                           "' is unlit and closed around everything: it casts no shadow");
+  scene.warnings.push_back(fmt::format("'{}' is {} and closed around everything: it casts no shadow",
+                                       scene.nodes[scene.instances[sky.front()].node].name,
+                                       black ? "black" : "unlit"));
 }
 
 }  // namespace farshade

@@ -38,13 +38,24 @@ Mesh dome(float radius, double lowest_rad, bool inwards) {
 
 constexpr double kSphere = -std::numbers::pi / 2;
 
-/// A floor, a box, and the `shells` of one material; the sky is looked for.
-Scene scene_in(const std::vector<Mesh>& shells, bool unlit, const glm::dvec3& shift = {}) {
-  SceneBuilder builder(shift);
-  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
-  builder.add(box({0, 0.5f, 0}, {0.5f, 0.5f, 0.5f}));
+Material without_light() {
   Material material;
-  material.unlit = unlit;
+  material.unlit = true;
+  return material;
+}
+
+Material of_colour(const glm::vec4& color) {
+  Material material;
+  material.base_color = color;
+  return material;
+}
+
+/// A floor, a box, and the `shells` of one material; the sky is looked for.
+Scene scene_in(const std::vector<Mesh>& shells, const Material& material, const glm::dvec3& shift = {},
+               float floor = 4) {
+  SceneBuilder builder(shift);
+  builder.add(quad({0, 0, 0}, {0, 0, floor}, {floor, 0, 0}));
+  builder.add(box({0, 0.5f, 0}, {0.5f, 0.5f, 0.5f}));
   const std::uint32_t of_shells = builder.material(material);
   for (const Mesh& mesh : shells) builder.add(mesh, of_shells);
   builder.directional_light({0.3, -1, 0.2});
@@ -62,11 +73,11 @@ std::vector<bool> casting(const Scene& scene) {
 TEST(Sky, IsAnUnlitShellAroundEverythingThatIsLit) {
   for (const bool inwards : {true, false})
     for (const glm::dvec3& shift : {glm::dvec3(0.0), glm::dvec3(1e6, -1e5, 3e5)})
-      EXPECT_EQ(casting(scene_in({dome(50, kSphere, inwards)}, true, shift)),
+      EXPECT_EQ(casting(scene_in({dome(50, kSphere, inwards)}, without_light(), shift)),
                 (std::vector{true, true, false}));
-  EXPECT_EQ(casting(scene_in({dome(50, 0, true)}, true)), (std::vector{true, true, false}))
+  EXPECT_EQ(casting(scene_in({dome(50, 0, true)}, without_light())), (std::vector{true, true, false}))
       << "a dome that is open below";
-  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), dome(40, kSphere, false)}, true)),
+  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), dome(40, kSphere, false)}, without_light())),
             (std::vector{true, true, false, false}))
       << "clouds and sky";
   std::vector<Mesh> faces;
@@ -75,34 +86,78 @@ TEST(Sky, IsAnUnlitShellAroundEverythingThatIsLit) {
     faces.push_back(quad({0, side, 0}, {20, 0, 0}, {0, 0, 20}));
     faces.push_back(quad({0, 0, side}, {20, 0, 0}, {0, 20, 0}));
   }
-  EXPECT_EQ(casting(scene_in(faces, true)),
+  EXPECT_EQ(casting(scene_in(faces, without_light())),
             (std::vector{true, true, false, false, false, false, false, false}))
       << "a box of six quads";
+}
+
+std::vector<Mesh> tiles_of(const Mesh& mesh, std::size_t triangles) {
+  std::vector<Mesh> tiles;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += triangles) {
+    std::vector<glm::vec3> corners;
+    for (std::size_t t = i; t < std::min(i + triangles, mesh.triangles.size()); ++t)
+      for (int k = 0; k < 3; ++k) corners.push_back(mesh.positions[mesh.triangles[t][k]]);
+    tiles.push_back(triangle_soup(corners));
+  }
+  return tiles;
+}
+
+TEST(Sky, HasTilesCloudsAndASun) {
+  std::vector<Mesh> tiles = tiles_of(dome(50, kSphere, true), 8);
+  ASSERT_GE(tiles.size(), 32u) << "each fills less than 4 % of the directions";
+  std::vector<bool> expected(tiles.size() + 2, false);
+  expected[0] = expected[1] = true;
+  EXPECT_EQ(casting(scene_in(tiles, without_light())), expected);
+  const Mesh disc = quad({12, 40, 8}, {3, 0, 0}, {0, 0, 3}), tree = quad({8, 2, 0}, {0, 2, 0}, {0, 0, 2});
+  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), disc, tree}, without_light())),
+            (std::vector{true, true, false, false, true}));
+}
+
+TEST(Sky, NeedNotReachTheEndsOfTheGround) {
+  EXPECT_EQ(casting(scene_in({dome(50, 0, true)}, without_light(), {}, 70)),
+            (std::vector{true, true, false}));
+  EXPECT_EQ(casting(scene_in({dome(500, 0.05, true)}, without_light())), (std::vector{true, true, false}))
+      << "25 m above the ground";
+}
+
+/// As one that only emits light.
+TEST(Sky, IsABlackShellToo) {
+  const Material black = of_colour({0, 0, 0, 1});
+  const Scene scene = scene_in({dome(50, kSphere, false)}, black);
+  EXPECT_EQ(casting(scene), (std::vector{true, true, false}));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("is black and closed around everything: it casts no shadow"),
+            std::string::npos);
+  EXPECT_EQ(casting(scene_in({quad({0, -0.5f, 0}, {0, 0, 60}, {60, 0, 0})}, black)), std::vector(3, true))
+      << "black ground";
 }
 
 TEST(Sky, IsNothingElse) {
   const auto all_cast = [](const Scene& scene) {
     return std::ranges::all_of(scene.instances, &Instance::casts) && scene.warnings.empty();
   };
-  EXPECT_TRUE(all_cast(scene_in({dome(50, kSphere, true)}, false))) << "a lit shell is a room";
-  EXPECT_TRUE(all_cast(scene_in({dome(50, 0.5, true)}, true))) << "a canopy fills a quarter of the sphere";
-  EXPECT_TRUE(all_cast(
-      scene_in({quad({-20, 0, 0}, {0, 20, 0}, {0, 0, 20}), quad({20, 0, 0}, {0, 20, 0}, {0, 0, 20})}, true)))
+  EXPECT_TRUE(all_cast(scene_in({dome(50, kSphere, true)}, Material{}))) << "a lit shell is a room";
+  EXPECT_TRUE(all_cast(scene_in({dome(50, 0.5, true)}, without_light())))
+      << "a canopy fills a quarter of the sphere";
+  EXPECT_TRUE(
+      all_cast(scene_in({quad({-20, 0, 0}, {0, 20, 0}, {0, 0, 20}), quad({20, 0, 0}, {0, 20, 0}, {0, 0, 20})},
+                        without_light())))
       << "two opposite sides of a box fill a third";
-  EXPECT_TRUE(all_cast(scene_in({dome(2, kSphere, true)}, true))) << "the floor reaches out of it";
-  EXPECT_TRUE(all_cast(scene_in({quad({0, 8, 0}, {0, 0, 30}, {30, 0, 0})}, true))) << "a ceiling";
-  EXPECT_TRUE(all_cast(scene_in({box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, true))) << "a lamp";
-  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, true)),
-            (std::vector{true, true, false, true}))
+  EXPECT_TRUE(all_cast(scene_in({dome(2, kSphere, true)}, without_light()))) << "the floor reaches out of it";
+  EXPECT_TRUE(all_cast(scene_in({quad({0, 8, 0}, {0, 0, 30}, {30, 0, 0})}, without_light()))) << "a ceiling";
+  EXPECT_TRUE(all_cast(scene_in({box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, without_light()))) << "a lamp";
+  EXPECT_EQ(
+      casting(scene_in({dome(50, kSphere, true), box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, without_light())),
+      (std::vector{true, true, false, true}))
       << "a lamp under the sky";
-  Scene alone = scene_in({}, false);
+  Scene alone = scene_in({}, Material{});
   for (Material& material : alone.materials) material.unlit = true;
   find_sky(alone);
   EXPECT_TRUE(all_cast(alone)) << "all is unlit: nothing stands before a sky";
 }
 
 TEST(Sky, IsNamedInAWarningAndInTheHash) {
-  const Scene scene = scene_in({dome(50, kSphere, true)}, true);
+  const Scene scene = scene_in({dome(50, kSphere, true)}, without_light());
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_NE(scene.warnings[0].find("casts no shadow"), std::string::npos);
   Scene casts = scene;
@@ -126,7 +181,7 @@ TEST(Sky, IsNoWallOfARoom) {
 }
 
 TEST(Sky, IsNothingThatRaysMeet) {
-  const Scene scene = scene_in({dome(30, kSphere, true)}, true);
+  const Scene scene = scene_in({dome(30, kSphere, true)}, without_light());
   const Surroundings surroundings = Surroundings::create(scene).value();
   const std::vector<Ray> rays{{{{0, 3, 0}}, {{0.48, 0.8, 0.36}}}, {{{0, 3, 0}}, {{0, -1, 0}}}};
   EXPECT_EQ(surroundings.first_met(rays)[0].distance_m, kNoSurface_m);
@@ -135,7 +190,8 @@ TEST(Sky, IsNothingThatRaysMeet) {
 }
 
 TEST(Sky, IsNoWallForTheViewpoint) {
-  const Scene bare = scene_in({}, true), below = scene_in({dome(500, kSphere, true)}, true);
+  const Scene bare = scene_in({}, without_light()),
+              below = scene_in({dome(500, kSphere, true)}, without_light());
   EXPECT_EQ(bounds_without_sky(below), bare.bounds);
   EXPECT_EQ(chosen_viewpoint(below).translation, chosen_viewpoint(bare).translation);
   EXPECT_EQ(bounds_without_sky(bare), bare.bounds);
