@@ -11,7 +11,10 @@ namespace farshade::gltf {
 namespace {
 
 Path path_from(const std::string& path) {
-  return path == "translation" ? Path::Translation : path == "rotation" ? Path::Rotation : Path::Scale;
+  return path == "translation" ? Path::Translation
+         : path == "rotation"  ? Path::Rotation
+         : path == "scale"     ? Path::Scale
+                               : Path::Visible;
 }
 
 Channel channel_from(const Document& document, const AnimationSampler& sampler, std::uint32_t node,
@@ -24,6 +27,8 @@ Channel channel_from(const Document& document, const AnimationSampler& sampler, 
   channel.values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));
   if (path != Path::Rotation)
     for (glm::vec4& value : channel.values) value.w = 0.0f;
+  if (path == Path::Visible)
+    for (glm::vec4& value : channel.values) value = {value.x != 0 ? 1.0f : 0.0f, 0, 0, 0};
   return channel;
 }
 
@@ -44,7 +49,7 @@ double add_channel(const Document& document, const AnimationSampler& sampler, st
   if (is_constant(channel)) {
     set(path, glm::dvec4(first_value(channel)), scene.nodes[node].rest);
   } else {
-    scene.nodes[node].moving = true;
+    scene.nodes[node].moving |= path != Path::Visible;
     scene.channels.push_back(std::move(channel));
   }
   return length_s;

@@ -40,6 +40,7 @@ farshade::Node node_from(const Node& from) {
   to.rest.translation = translation_of(from);
   to.rest.scale = scale_of(from);
   to.rest.rotation = glm::normalize(rotation_of(from));
+  to.rest.visible = is_visible(from);
   return to;
 }
 
@@ -49,6 +50,19 @@ void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
     for (const int child : document.nodes[order.from_document[i]].children)
       scene.nodes[*at(order.to_scene, child)].parent = i;
+}
+
+/// When each node of the scene is shown (KHR_node_visibility).
+enum class Shown : std::uint8_t { Never, Sometimes, Always };
+std::vector<Shown> when_shown(const Scene& scene) {
+  std::vector<Shown> shown;
+  for (const farshade::Node& node : scene.nodes)
+    shown.push_back(node.rest.visible ? Shown::Always : Shown::Never);
+  for (const Channel& channel : scene.channels)
+    if (channel.path == Path::Visible) shown[channel.node] = Shown::Sometimes;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (const auto parent = scene.nodes[i].parent) shown[i] = std::min(shown[i], shown[*parent]);
+  return shown;
 }
 
 /// False for NaN.
@@ -147,7 +161,7 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
 
 /// Meshes that a rig deforms are converted for each node alone.
 Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                      const WeightTracks& tracks, Scene& scene) {
+                      const WeightTracks& tracks, const std::vector<Shown>& shown, Scene& scene) {
   MaterialConverter materials(document, limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
   const auto still = static_cast<std::uint32_t>(scene.nodes.size());
@@ -156,10 +170,14 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
     const std::uint32_t number = order.from_document[node];
     const Node& from = document.nodes[number];
-    if (from.mesh < 0) continue;
+    if (from.mesh < 0 || shown[node] == Shown::Never) continue;
+    const std::optional<std::uint32_t> shown_with =
+        shown[node] == Shown::Sometimes ? std::optional(node) : std::nullopt;
     if (deforms(document, from, number, tracks)) {
       const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
+      const std::size_t first = scene.instances.size();
       if (auto added = add_deformed(document, from, node, rig, poses, materials, scene); !added) return added;
+      for (std::size_t i = first; i < scene.instances.size(); ++i) scene.instances[i].shown_with = shown_with;
       continue;
     }
     auto& shared = at(converted, from.mesh);
@@ -169,7 +187,7 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
       shared = std::move(*numbers);
     }
     for (const std::uint32_t mesh : *shared) {
-      scene.instances.push_back({mesh, node});
+      scene.instances.push_back({.mesh = mesh, .node = node, .shown_with = shown_with});
       scene.triangle_count += scene.meshes[mesh].triangles.size();
     }
   }
@@ -179,10 +197,12 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
 
 /// Sorts the lights by their index in the file, then by the node that carries them.
 Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                   const AnimatedLights& animated, Scene& scene) {
+                   const AnimatedLights& animated, const std::vector<Shown>& shown, Scene& scene) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
-  for (const std::uint32_t node : order.from_document)
-    if (const Index light = light_of(document.nodes[node])) uses.emplace_back(*light, node);
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
+    if (const Index light = light_of(document.nodes[order.from_document[i]]);
+        light && shown[i] != Shown::Never)
+      uses.emplace_back(*light, order.from_document[i]);
   if (uses.size() > limits.lights)
     return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
                                        std::to_string(limits.lights) + " can be told apart");
@@ -194,6 +214,7 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
     scene.lights.push_back(light_from(from, changes ? found->second.rest : values_of(from),
                                       changes ? found->second.tracks : std::vector<LightTrack>{},
                                       *order.to_scene[node]));
+    scene.lights.back().hides = shown[*order.to_scene[node]] == Shown::Sometimes;
   }
   return {};
 }
@@ -248,9 +269,11 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   add_nodes(document, order, scene);
   const AnimatedLights lights = animated_lights(document, order.to_scene);
   const WeightTracks tracks = add_animations(document, order.to_scene, lights, scene);
-  const Checked checked = add_instances(document, order, limits, tracks, scene)
-                              .and_then([&] { return add_lights(document, order, limits, lights, scene); })
-                              .and_then([&] { return add_places(document, order, scene); });
+  const std::vector<Shown> shown = when_shown(scene);
+  const Checked checked =
+      add_instances(document, order, limits, tracks, shown, scene)
+          .and_then([&] { return add_lights(document, order, limits, lights, shown, scene); })
+          .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
   remove_needless_alpha_tests(scene);
   find_sky(scene);

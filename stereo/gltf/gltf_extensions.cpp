@@ -9,10 +9,11 @@
 namespace farshade::gltf {
 namespace {
 
-constexpr std::string_view kKnownExtensions[] = {
-    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
-    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_materials_variants",
-    "KHR_mesh_quantization",      "KHR_meshopt_compression", "KHR_texture_transform"};
+constexpr std::string_view kKnownExtensions[] = {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+                                                 "EXT_texture_webp",        "KHR_draco_mesh_compression",
+                                                 "KHR_lights_punctual",     "KHR_materials_variants",
+                                                 "KHR_mesh_quantization",   "KHR_meshopt_compression",
+                                                 "KHR_node_visibility",     "KHR_texture_transform"};
 
 bool is_known(std::string_view name) {
   return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions);

@@ -140,8 +140,10 @@ constexpr Member kInstances[] = {optional("TRANSLATION", kIndex), optional("ROTA
                                  optional("SCALE", kIndex)};
 constexpr Member kInstancing[] = {object("attributes", kInstances, Need::Required)};
 constexpr Member kNodeLight[] = {required("light", kIndex)};
+constexpr Member kVisibility[] = {optional("visible", kFlag)};
 constexpr Member kNodeExtensions[] = {object("EXT_mesh_gpu_instancing", kInstancing),
-                                      object("KHR_lights_punctual", kNodeLight)};
+                                      object("KHR_lights_punctual", kNodeLight),
+                                      object("KHR_node_visibility", kVisibility)};
 constexpr Member kNode[] = {kName,
                             optional("children", kIndices),
                             optional("mesh", kIndex),

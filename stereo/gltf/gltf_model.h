@@ -222,6 +222,15 @@ template <class Vector>
   return light ? index_member(*light, "light") : Index{};
 }
 
+/// KHR_node_visibility.
+[[nodiscard]] inline bool is_visible(const Node& node) {
+  const auto* visibility = extension(node.extensions, "KHR_node_visibility");
+  const auto* visible = visibility ? member(*visibility, "visible") : nullptr;
+  return !visible || visible->Get<bool>();
+}
+/// The path of a channel that animates it.
+inline constexpr std::string_view kVisiblePath = "extensions/KHR_node_visibility/visible";
+
 /// The image of a texture: that of EXT_texture_webp, else the one that every program can read.
 [[nodiscard]] inline Index image_of(const tinygltf::Texture& texture) {
   const auto* webp = extension(texture.extensions, "EXT_texture_webp");

@@ -5,7 +5,7 @@
 namespace farshade::gltf {
 namespace {
 
-constexpr std::string_view kNodePaths[] = {"translation", "rotation", "scale", "weights"};
+constexpr std::string_view kNodePaths[] = {"translation", "rotation", "scale", "weights", kVisiblePath};
 constexpr std::string_view kLightProperties[] = {"color", "intensity", "range", "spot/innerConeAngle",
                                                  "spot/outerConeAngle"};
 

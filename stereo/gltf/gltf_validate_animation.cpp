@@ -89,6 +89,17 @@ Checked check_weights(const Document& document, const std::string& name, const A
                       {.of = "weights", .values_a_key = targets, .integers = true});
 }
 
+/// Booleans, as KHR_animation_pointer asks for them.
+Checked check_visibility(const Document& document, const std::string& name, const AnimationSampler& sampler) {
+  const std::string subject = name + ": value " + label("accessor", sampler.output);
+  if (!points_into(document.accessors, sampler.output)) return malformed(subject + " is not there");
+  const Accessor& accessor = at(document.accessors, sampler.output);
+  if (sampler.interpolation == "STEP" && component_of(accessor) == Component::UInt8 &&
+      has_shape(accessor, 1) && accessor.count == at(document.accessors, sampler.input).count)
+    return {};
+  return malformed(subject + " should have an unsigned byte for each key, with interpolation STEP");
+}
+
 /// Whether a light's property may have this value.
 bool may_be(const std::string& property, const glm::vec4& value) {
   if (property == "color") return std::min({value.x, value.y, value.z}) >= 0;
@@ -139,16 +150,18 @@ Checked check_channel(const Document& document, const std::string& name, const A
   const std::string& path = channel.target_path;
   if (!points_into(document.nodes, channel.target_node))
     return malformed(name + ": there is no " + label("node", channel.target_node));
-  if (path != "translation" && path != "rotation" && path != "scale" && path != "weights")
+  if (path != "translation" && path != "rotation" && path != "scale" && path != "weights" &&
+      path != kVisiblePath)
     return malformed(name + ": unknown path '" + printable(path) + "'");
   const Node& node = at(document.nodes, channel.target_node);
-  if (!node.matrix.empty() && path != "weights")
+  if (!node.matrix.empty() && path != "weights" && path != kVisiblePath)
     return malformed(name + ": " + label("node", channel.target_node, node.name) +
                      " has a matrix and cannot be animated");
   return check_sampler(document, name, animation, channel.sampler).and_then([&] {
     const AnimationSampler& sampler = at(animation.samplers, channel.sampler);
-    return path == "weights" ? check_weights(document, name, sampler, node)
-                             : check_values(document, name, sampler, path == "rotation");
+    return path == "weights"      ? check_weights(document, name, sampler, node)
+           : path == kVisiblePath ? check_visibility(document, name, sampler)
+                                  : check_values(document, name, sampler, path == "rotation");
   });
 }
 

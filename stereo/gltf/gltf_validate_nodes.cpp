@@ -164,7 +164,7 @@ Checked validate_reach(const Document& document) {
   for (std::size_t i = 0; i < stretch.size(); ++i) stretch[i] = rest_stretch(document.nodes[i]);
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& channel : animation.channels) {
-      if (channel.target_path == "rotation" || channel.target_path == "weights") continue;
+      if (channel.target_path != "translation" && channel.target_path != "scale") continue;
       const double largest = largest_output(document, at(animation.samplers, channel.sampler));
       Stretch& of = at(stretch, channel.target_node);
       double& bound = channel.target_path == "scale" ? of.scale : of.offset;

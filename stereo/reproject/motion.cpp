@@ -56,9 +56,14 @@ MotionModel::MotionModel(const Scene& scene, const std::vector<bool>& moves)
 
 std::optional<glm::dmat4> MotionModel::then_from_now(const Moving& mover, const SceneState& then,
                                                      const SceneState& now) {
-  if (mover.part) return mover.part->then_from_now(then, now);
   const Affine<Stage, Object>&before = then.stage_from_object[mover.instance],
                       &after = now.stage_from_object[mover.instance];
+  const bool was_there = !is_singular(glm::dmat3(before.matrix)),
+             is_there = !is_singular(glm::dmat3(after.matrix));
+  if (!was_there && !is_there) return {};
+  // It appears or disappears: masks of then have not seen it where it is now.
+  if (!was_there || !is_there) return glm::dmat4(1.0);
+  if (mover.part) return mover.part->then_from_now(then, now);
   if (before == after) return {};
   return before.matrix * glm::inverse(after.matrix);
 }
@@ -81,9 +86,10 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
     motion.then_from_now[slot] = then_from_now(mover, then, now);
     if (!motion.then_from_now[slot]) continue;
     for (const SceneState* state : {&then, &now})
-      add_sphere(sphere_about(state->stage_from_object[mover.instance],
-                              mover.part ? mover.part->bounds(*state) : mover.box),
-                 motion.moved);
+      if (!is_singular(glm::dmat3(state->stage_from_object[mover.instance].matrix)))
+        add_sphere(sphere_about(state->stage_from_object[mover.instance],
+                                mover.part ? mover.part->bounds(*state) : mover.box),
+                   motion.moved);
   }
   return motion;
 }

@@ -59,6 +59,7 @@ struct NodeTransform {
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 scale{1.0};
   std::optional<glm::dmat4> matrix;
+  bool visible = true;  ///< KHR_node_visibility: false hides the node and all below it
 };
 
 struct Node {
@@ -68,7 +69,7 @@ struct Node {
   bool moving = false;  ///< it or an ancestor is animated
 };
 
-enum class Path : std::uint8_t { Translation, Rotation, Scale };
+enum class Path : std::uint8_t { Translation, Rotation, Scale, Visible };
 enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
 
 /// A joint of a skin: its node, and where the node was when the skin was bound to it.
@@ -94,6 +95,8 @@ struct Instance {
   std::uint32_t mesh = 0, node = 0;
   std::optional<std::uint32_t> rig = std::nullopt;  ///< into Scene::rigs, if the mesh is deformable
   bool casts = true;                                ///< a sky (sky.h) casts no shadow
+  /// The node with which an animation hides and shows the instance; none: it is always shown.
+  std::optional<std::uint32_t> shown_with = std::nullopt;
 };
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };
@@ -126,10 +129,11 @@ struct LightSource {
   std::optional<float> range_m;  ///< no light beyond this distance
   float inner_cone_rad = 0, outer_cone_rad = 0;  ///< spot only
   std::optional<LightAnimation> animation = std::nullopt;
+  bool hides = false;  ///< an animation hides and shows it with its node
 };
 
-/// One animated property of one node. The keys increase strictly. Values are xyz0 or quaternions xyzw. Cubic
-/// splines have three values per key: in-tangent, value, out-tangent.
+/// One animated property of one node. The keys increase strictly. Values are xyz0 or quaternions xyzw, and x
+/// of Visible is 0 or 1. Cubic splines have three values per key: in-tangent, value, out-tangent.
 struct Channel {
   std::uint32_t node = 0;
   Path path = Path::Translation;
@@ -215,9 +219,9 @@ struct Scene {
 /// Whether an animation changes what the light reaches, apart from its place: its range or its outer cone.
 [[nodiscard]] bool changes_reach(const LightSource& light);
 
-/// Whether an animation places or deforms the instance.
+/// Whether an animation places, deforms or hides the instance.
 [[nodiscard]] inline bool can_move(const Scene& scene, const Instance& instance) {
-  return instance.rig.has_value() || scene.nodes[instance.node].moving;
+  return instance.rig.has_value() || scene.nodes[instance.node].moving || instance.shown_with.has_value();
 }
 
 }  // namespace farshade

@@ -118,6 +118,14 @@ void put_light_animations(Hasher& hasher, const Scene& scene) {
   }
 }
 
+/// What animations hide. Scenes without it keep the hash that they had before it was read.
+void put_hiding(Hasher& hasher, const Scene& scene) {
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (const auto& node = scene.instances[i].shown_with) hasher.fields(i, *node);
+  for (std::uint32_t i = 0; i < scene.lights.size(); ++i)
+    if (scene.lights[i].hides) hasher.fields(i);
+}
+
 void put_places(Hasher& hasher, const Scene& scene) {
   hasher.count(scene.nodes.size());
   for (const Node& n : scene.nodes)
@@ -142,6 +150,7 @@ SceneHash hash_of(const Scene& scene) {
   put_rigs(hasher, scene);
   put_places(hasher, scene);
   put_light_animations(hasher, scene);
+  put_hiding(hasher, scene);
   return hasher.finish();
 }
 

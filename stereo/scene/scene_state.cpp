@@ -153,6 +153,22 @@ bool is_animated(const LightSource& light) {
   return light.animation.has_value();
 }
 
+/// Whether animations show each node. What is below a hidden node is hidden.
+std::vector<bool> shown_nodes(const Scene& scene, double time_s) {
+  std::vector<bool> shown(scene.nodes.size(), true);
+  for (const Channel& channel : scene.channels)
+    if (channel.path == Path::Visible) shown[channel.node] = sample(channel, time_s).x != 0;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (const auto parent = scene.nodes[i].parent; parent && !shown[*parent]) shown[i] = false;
+  return shown;
+}
+
+/// What is hidden has no extent, so it is not there (is_singular).
+Affine<Stage, Object> hidden(Affine<Stage, Object> pose) {
+  pose.matrix[0] = pose.matrix[1] = pose.matrix[2] = glm::dvec4(0.0);
+  return pose;
+}
+
 }  // namespace
 
 bool changes_reach(const LightSource& light) {
@@ -171,6 +187,9 @@ void set(Path path, const glm::dvec4& value, NodeTransform& transform) {
       break;
     case Path::Rotation:
       if (glm::length(value) > 1e-6) transform.rotation = quat_of(value);
+      break;
+    case Path::Visible:
+      transform.visible = value.x != 0;
       break;
   }
 }
@@ -239,15 +258,19 @@ void advance(const Scene& scene, Time scene_time, const LightChanges& changes, S
   state.rigs.clear();
   for (const Rig& rig : scene.rigs) state.rigs.push_back(pose_of(scene, rig, poses, scene_time));
   state.stage_from_object.clear();
+  const double time_s = animation_time_s(scene, scene_time);
+  const std::vector<bool> shown = shown_nodes(scene, time_s);
   for (const Instance& instance : scene.instances) {
     const bool skinned = instance.rig && !scene.rigs[*instance.rig].joints.empty();
-    state.stage_from_object.push_back(skinned ? stage_from_skin(scene.rigs[*instance.rig], poses)
-                                              : poses[instance.node]);
+    const auto pose = skinned ? stage_from_skin(scene.rigs[*instance.rig], poses) : poses[instance.node];
+    const bool hides = instance.shown_with && !shown[*instance.shown_with];
+    state.stage_from_object.push_back(hides ? hidden(pose) : pose);
   }
   state.light_set.lights.clear();
-  const double time_s = animation_time_s(scene, scene_time);
-  for (const LightSource& source : scene.lights)
-    state.light_set.lights.push_back(light_at(source, poses[source.node], time_s));
+  for (const LightSource& source : scene.lights) {
+    Light& light = state.light_set.lights.emplace_back(light_at(source, poses[source.node], time_s));
+    if (source.hides && !shown[source.node]) light.intensity = glm::vec3(0.0f);
+  }
   state.light_changes = changes;
   apply(changes, state.light_set);
 }

@@ -93,6 +93,28 @@ TEST_F(CoverageOf, AFlattenedThingIsThereForBothOrForNone) {
     }
 }
 
+TEST_F(CoverageOf, AHiddenThingIsThereForNone) {
+  for (const bool is_shown : {false, true}) {
+    SceneBuilder builder;
+    const std::uint32_t node = builder.add(box({0, 0, -3}, {1, 1, 1}));
+    builder.point_light({0, 3, 0});
+    Scene scene = builder.build();
+    scene.channels = {{.node = node,
+                       .path = Path::Visible,
+                       .interpolation = Interpolation::Step,
+                       .keys_s = {0},
+                       .values = {glm::vec4(is_shown ? 1.0f : 0.0f)}}};
+    scene.animation_length_s = 1;
+    scene.instances[0].shown_with = node;
+    TestRig rig(device_, scene, 96);
+    const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 0, 0}});
+    const auto drawn = std::ranges::count_if(rig.show(views, {}).reports[0].sources,
+                                             [](auto source) { return source != kSourceUncovered; });
+    EXPECT_EQ(drawn > 500, is_shown) << drawn;
+    EXPECT_EQ(coverage_of(rig, views).apart, 0u);
+  }
+}
+
 /// The signs of a quad's scale, and whether the quad then faces a viewer at +z.
 struct Facing {
   glm::dvec3 scale;

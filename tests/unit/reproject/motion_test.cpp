@@ -170,6 +170,32 @@ TEST(MotionModel, SpheresHoldTheCasterWhereItWasAndWhereItIs) {
         << "and the spheres are no larger";
 }
 
+/// A box that is hidden in the second half of each second.
+TEST(MotionModel, WhatAppearsOrDisappearsHasMovedAndIsWhereItIsShown) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  const std::uint32_t node = builder.add(box({0, 1, 0}, {0.3, 0.4, 0.5}));
+  Scene scene = builder.build();
+  scene.channels.push_back({.node = node,
+                            .path = Path::Visible,
+                            .interpolation = Interpolation::Step,
+                            .keys_s = {0, 0.5, 1},
+                            .values = {{1, 0, 0, 0}, {}, {1, 0, 0, 0}}});
+  scene.animation_length_s = 1;
+  scene.instances[1].shown_with = node;
+  const auto between = [&](Duration then, Duration now) {
+    return model_of(scene).between(state_at(scene, Time(then)), state_at(scene, Time(now)));
+  };
+  EXPECT_TRUE(is_still(between(100ms, 400ms)));
+  EXPECT_TRUE(is_still(between(600ms, 900ms)));
+  for (const auto& [then, now] : {std::pair{400ms, 600ms}, std::pair{600ms, 1200ms}}) {
+    const Motion motion = between(then, now);
+    EXPECT_EQ(motion.then_from_now.at(0), glm::dmat4(1.0));
+    ASSERT_EQ(motion.moved.size(), 1u);
+    EXPECT_LT(glm::length(motion.moved[0].centre.v - glm::dvec3(0, 1, 0)), 1e-6);
+  }
+}
+
 /// The vertices of an instance that a rig deforms, in the stage.
 std::vector<glm::dvec3> deformed(const Scene& scene, const SceneState& state, const Instance& instance) {
   const Mesh& mesh = scene.meshes[instance.mesh];

@@ -286,5 +286,27 @@ TEST(TracerFrame, SingularInstanceIsNotThere) {
   EXPECT_EQ(traced(build.build(), kLeft).masks[0], traced(without, kLeft).masks[0]);
 }
 
+TEST(TracerFrame, AHiddenInstanceIsNotThereUntilItIsShown) {
+  SceneBuilder build = lit_floor(1);
+  const Scene without = build.build();
+  const std::uint32_t node = build.add(box({0, 2, 0}, {1, 0.1f, 1}));
+  const Scene always = build.build();
+  Scene scene = always;
+  scene.channels = {{.node = node,
+                     .path = Path::Visible,
+                     .interpolation = Interpolation::Step,
+                     .keys_s = {0, 1, 2},
+                     .values = {{}, {1, 0, 0, 0}, {}}}};
+  scene.animation_length_s = 3;
+  scene.instances.back().shown_with = node;
+  auto tracer = Tracer::create(scene).value();
+  ShadowFrame frame;
+  for (const double seconds : {0.5, 1.5, 2.5, 4.5}) {
+    tracer.trace(request_for({kLeft, kRight}, Time(duration_from_ms(seconds * 1e3))), frame);
+    const bool shown = seconds == 1.5 || seconds == 4.5;
+    EXPECT_EQ(frame.masks[0], traced(shown ? always : without, {kLeft, kRight}).masks[0]) << seconds;
+  }
+}
+
 }  // namespace
 }  // namespace farshade
