@@ -151,8 +151,8 @@ shared_options() {
   shared=()
   for ((i = 1; i <= $#; ++i)); do
     case ${!i} in
-      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant) shared+=("${@:i:2}"); i=$((i + 1)) ;;
-      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=*) shared+=("${!i}") ;;
+      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant | --animation) shared+=("${@:i:2}"); i=$((i + 1)) ;;
+      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=* | --animation=*) shared+=("${!i}") ;;
       --insecure) shared+=(--insecure) ;;
     esac
   done

@@ -276,10 +276,11 @@ void check_fetch(const Options& options) {
     throw CLI::ValidationError("--scene",
                                "a scene from the server is lit as the server says; --light, --sun, --ambient "
                                "and --exposure are for a scene that --scene names");
-  if (choice.scene || !choice.camera.empty() || !choice.variant.empty())
-    throw CLI::ValidationError("--scene",
-                               "the server has chosen among its file's scenes, cameras and variants; "
-                               "--scene-index, --camera and --variant are for a file that --scene names");
+  if (choice.scene || !choice.camera.empty() || !choice.variant.empty() || !choice.animation.empty())
+    throw CLI::ValidationError(
+        "--scene",
+        "the server has chosen among its file's scenes, cameras, variants and animations; --scene-index, "
+        "--camera, --variant and --animation are for a file that --scene names");
 }
 
 /// A replay takes these options from its capture, or does not need them.

@@ -82,6 +82,7 @@ ordered_json facts_of(const Scene& file, const Lighting& lighting, const LitScen
           {"scene", scene.contents.scene},
           {"cameras", scene.contents.cameras},
           {"variants", scene.contents.variants},
+          {"animations", scene.contents.animations},
           {"lights", lights},
           {"lights_of_the_file", file.lights.size()},
           {"ambient", scene.ambient},
@@ -98,16 +99,14 @@ std::string point_words(const ordered_json& v) {
 /// "  scenes     0 'day', 1 'night' (shown: 0)" and the like, for a file that offers a choice.
 std::string offers_in_words(const ordered_json& facts) {
   std::string text;
-  for (const char* kind : {"scenes", "cameras", "variants"}) {
+  for (const std::string_view kind : {"scenes", "cameras", "variants", "animations"}) {
     const ordered_json& names = facts[kind];
-    if (names.size() < (kind == std::string_view("variants") ? 1u : 2u)) continue;
+    if (names.size() < (kind == "scenes" || kind == "cameras" ? 2u : 1u)) continue;
     text += fmt::format("  {:<10}", kind);
     for (std::size_t i = 0; i < names.size(); ++i)
       text += fmt::format("{} {} '{}'", i ? "," : "", i, printable(names[i].get<std::string>()));
-    text +=
-        kind == std::string_view("scenes")
-            ? fmt::format("; scene {} is shown (--scene-index)\n", facts["scene"].get<int>())
-            : fmt::format(" (--{})\n", std::string_view(kind).substr(0, std::string_view(kind).size() - 1));
+    text += kind == "scenes" ? fmt::format("; scene {} is shown (--scene-index)\n", facts["scene"].get<int>())
+                             : fmt::format(" (--{})\n", kind.substr(0, kind.size() - 1));
   }
   return text;
 }

@@ -63,11 +63,14 @@ bool text(auto& io, std::string& value) {
 }
 
 bool choice_fields(auto& io, SceneChoice& choice) {
-  std::uint8_t is_there = choice.scene.has_value();
+  constexpr std::uint8_t kScene = 1, kAnimation = 2;  // older programs know no animation
+  auto has =
+      static_cast<std::uint8_t>((choice.scene ? kScene : 0) | (choice.animation.empty() ? 0 : kAnimation));
   std::uint32_t scene = choice.scene.value_or(0);
-  if (!io.u8(is_there) || is_there > 1 || !io.u32(scene)) return false;
-  choice.scene = is_there == 1 ? std::optional(scene) : std::nullopt;
-  return text(io, choice.camera) && text(io, choice.variant);
+  if (!io.u8(has) || has > (kScene | kAnimation) || !io.u32(scene)) return false;
+  choice.scene = (has & kScene) != 0 ? std::optional(scene) : std::nullopt;
+  return text(io, choice.camera) && text(io, choice.variant) &&
+         ((has & kAnimation) == 0 || text(io, choice.animation));
 }
 
 bool lighting_fields(auto& io, Lighting& lighting) {

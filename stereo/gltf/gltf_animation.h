@@ -28,9 +28,9 @@ template <class Track>
 }
 
 /// Sets Scene::channels, Scene::animation_length_s and Node::moving. `scene_node` maps nodes of the document
-/// to nodes of the scene. All animations play at the same time; if two animate the same property, the first
-/// one wins. A channel with a constant value becomes part of the node's rest transform. Returns the
-/// weights of morph targets.
+/// to nodes of the scene. All animations of the document play at the same time; if two animate the same
+/// property, the first one wins. A channel with a constant value becomes part of the node's rest transform.
+/// Returns the weights of morph targets.
 WeightTracks add_animations(const Document& document, const std::vector<Index>& scene_node,
                             const AnimatedLights& lights, Scene& scene);
 

@@ -70,6 +70,32 @@ Checked choose_variant(Document& document, const std::string& name) {
   return {};
 }
 
+/// The animations of a file are alternatives, so one plays.
+Checked choose_animation(Document& document, const std::string& name) {
+  std::vector<std::string>& clips = document.clips;
+  for (std::size_t i = 0; i < document.animations.size(); ++i)
+    clips.push_back(document.animations[i].name.empty() ? label("animation", i)
+                                                        : document.animations[i].name);
+  const auto found = std::ranges::find(clips, name);
+  const bool is_none = found == clips.end() && name == "none";
+  if (found == clips.end() && !name.empty() && name != "all" && !is_none)
+    return fail(Fault::Missing,
+                "there is no animation '" + printable(name) + "'; the file has " + listed(clips));
+  if (name.empty() && clips.size() > 1)
+    document.warnings.push_back("of " + std::to_string(clips.size()) + " animations, '" +
+                                printable(clips[0]) +
+                                "' plays (--animation NAME, all or none): " + listed(clips));
+  if (clips.empty() || (found == clips.end() && name == "all")) return {};
+  const auto playing = found == clips.end() ? 0 : found - clips.begin();
+  const auto count = is_none ? 0 : 1;
+  const auto keep = [&](auto& list) {
+    list.erase(list.begin() + playing + count, list.end());
+    list.erase(list.begin(), list.begin() + playing);
+  };
+  keep(document.animations), keep(document.light_channels);
+  return {};
+}
+
 }  // namespace
 
 Checked choose_scene(Document& document, const SceneChoice& choice) {
@@ -77,7 +103,9 @@ Checked choose_scene(Document& document, const SceneChoice& choice) {
     return fail(Fault::Missing, "there is no scene " + std::to_string(*choice.scene) + "; the file has " +
                                     (document.scenes.empty() ? "none" : scenes_in_words(document)));
   if (choice.scene) document.defaultScene = static_cast<int>(*choice.scene);
-  return choice.variant.empty() ? Checked{} : choose_variant(document, choice.variant);
+  return choose_animation(document, choice.animation).and_then([&] {
+    return choice.variant.empty() ? Checked{} : choose_variant(document, choice.variant);
+  });
 }
 
 std::vector<std::uint32_t> camera_nodes(const Document& document) {
@@ -103,7 +131,8 @@ Checked choose_camera(Document& document, const SceneChoice& choice) {
 }
 
 FileContents contents_of(const Document& document) {
-  FileContents offer{{}, {}, variants_of(document), index_of(document.defaultScene).value_or(0)};
+  FileContents offer{
+      {}, {}, variants_of(document), document.clips, index_of(document.defaultScene).value_or(0)};
   for (const tinygltf::Scene& scene : document.scenes) offer.scenes.push_back(scene.name);
   for (const std::uint32_t i : camera_nodes(document)) offer.cameras.push_back(camera_name(document, i));
   return offer;

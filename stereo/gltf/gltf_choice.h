@@ -7,7 +7,8 @@
 
 namespace farshade::gltf {
 
-/// Makes the chosen scene the default one, and gives primitives the materials of the chosen variant.
+/// Makes the chosen scene the default one, gives primitives the materials of the chosen variant, and removes
+/// the animations that do not play.
 [[nodiscard]] Checked choose_scene(Document& document, const SceneChoice& choice);
 
 /// Finds the chosen camera in the default scene. The document must be valid.

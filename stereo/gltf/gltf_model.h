@@ -53,6 +53,7 @@ struct Document : tinygltf::Model {
   std::vector<std::vector<LightChannel>> light_channels;  ///< of each animation
   std::vector<std::optional<Error>> unreadable;  ///< for each image: why its external file could not be read
   Index chosen_camera;                           ///< node (choose_camera); none: the reference camera
+  std::vector<std::string> clips;                ///< all animations of the file, also those that do not play
   std::vector<std::string> warnings;             ///< what is not drawn as the file says, one sentence each
 };
 

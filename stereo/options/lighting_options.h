@@ -15,6 +15,9 @@ inline void add_choice_options(CLI::App& app, SceneChoice& choice) {
   app.add_option("--camera", choice.camera,
                  "the camera of the file that is the reference camera, by its name or that of its node");
   app.add_option("--variant", choice.variant, "the variant of the file's materials (KHR_materials_variants)");
+  app.add_option(
+      "--animation", choice.animation,
+      "the animation of the file that plays, by its name; or all at once, or none (default: the first)");
 }
 
 /// `lighting` must outlive the parsing.

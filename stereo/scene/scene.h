@@ -180,7 +180,7 @@ inline constexpr Bounds kNoPoint{glm::dvec3(std::numeric_limits<double>::max()),
 
 /// What a file offers to choose from (scene_choice.h), by name.
 struct FileContents {
-  std::vector<std::string> scenes, cameras, variants;
+  std::vector<std::string> scenes, cameras, variants, animations;
   std::uint32_t scene = 0;  ///< the one that is shown
 };
 

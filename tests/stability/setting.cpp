@@ -91,9 +91,10 @@ void SceneFile::move(std::uint32_t node, const glm::dvec3& from, const glm::dvec
   const auto keys = file_.accessor(file_.view<float>({0, 1}), 5126, "SCALAR", 2);
   const auto places =
       file_.accessor(file_.view<glm::vec3>({glm::vec3(from), glm::vec3(from + travel)}), 5126, "VEC3", 2);
-  file_.json["animations"].push_back(
-      {{"samplers", {{{"input", keys}, {"output", places}}}},
-       {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}}});
+  json& animation = file_.json["animations"][0];
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "translation"}}}});
+  animation["samplers"].push_back({{"input", keys}, {"output", places}});
 }
 
 HeadRecording recorded(const Motion& motion, double length_s) {

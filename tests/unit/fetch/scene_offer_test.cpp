@@ -19,7 +19,7 @@ SceneOffer sample_offer() {
   offer.lighting.lights = {parse_light("spot,at=0:3:0,to=0:0:0,cone=30,candela=100,range=8").value(),
                            parse_sun("145,50,3").value()};
   offer.lighting.ambient = 0.05f;
-  offer.lighting.choice = {.scene = 2, .camera = "left", .variant = "blue"};
+  offer.lighting.choice = {.scene = 2, .camera = "left", .variant = "blue", .animation = "walk"};
   offer.files = {offered("a.gltf"), offered("textures/wood.png", 1 << 20), offered("b.bin", 1)};
   return offer;
 }
@@ -54,6 +54,7 @@ TEST(SceneOffer, ReadsWhatWasWritten) {
   EXPECT_EQ(read->lighting.choice.scene, 2u);
   EXPECT_EQ(read->lighting.choice.camera, "left");
   EXPECT_EQ(read->lighting.choice.variant, "blue");
+  EXPECT_EQ(read->lighting.choice.animation, "walk");
   EXPECT_EQ(read->lighting.exposure, std::nullopt);
 }
 

@@ -289,6 +289,54 @@ TEST(SceneChoices, RefuseWhatIsNotThereWithAListOfWhatIs) {
   EXPECT_EQ(chosen({.variant = "x"}).error().what, "there is no variant 'x'; the file has 'beach', 'meadow'");
 }
 
+/// Three animations of one node; the second has no name, and the third one is called like a word.
+GltfBuilder clips_file() {
+  GltfBuilder file = triangle_file();
+  const auto keys = file.accessor(file.view<float>({0, 2}), 5126, "SCALAR", 2);
+  for (const float x : {1.0f, 2.0f, 3.0f}) {
+    const auto places = file.accessor(file.view<float>({0, 0, 0, x, 0, 0}), 5126, "VEC3", 2);
+    file.json["animations"].push_back(
+        {{"samplers", {{{"input", keys}, {"output", places}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
+  }
+  file.json["animations"][0]["name"] = "run";
+  file.json["animations"][2]["name"] = "jump";
+  return file;
+}
+
+TEST(SceneChoices, OneAnimationPlays) {
+  const auto where = [](const GltfBuilder& file, const std::string& name) {
+    const Scene scene = load_scene_from_memory(file.glb(), {}, {}, {.animation = name}).value();
+    return state_at(scene, Time(duration_from_ms(1000))).stage_from_object[0].matrix[3].x;
+  };
+  GltfBuilder file = clips_file();
+  EXPECT_EQ(where(file, ""), 0.5);
+  EXPECT_EQ(where(file, "run"), 0.5);
+  EXPECT_EQ(where(file, "animation 1"), 1.0);
+  EXPECT_EQ(where(file, "jump"), 1.5);
+  EXPECT_EQ(where(file, "all"), 0.5) << "the first one counts";
+  EXPECT_EQ(where(file, "none"), 0.0);
+  file.json["animations"][2]["name"] = "none";
+  EXPECT_EQ(where(file, "none"), 1.5) << "a name of the file comes first";
+}
+
+TEST(SceneChoices, ListAnimationsAndSayWhichOnePlays) {
+  const Scene first = load(clips_file()).value();
+  EXPECT_EQ(first.contents.animations, (std::vector<std::string>{"run", "animation 1", "jump"}));
+  EXPECT_EQ(first.warnings, std::vector<std::string>{"of 3 animations, 'run' plays (--animation NAME, all or "
+                                                     "none): 'run', 'animation 1', 'jump'"});
+  for (const char* name : {"run", "all", "none"}) {
+    const auto scene = load_scene_from_memory(clips_file().glb(), {}, {}, {.animation = name});
+    EXPECT_TRUE(scene->warnings.empty()) << name;
+    EXPECT_EQ(scene->contents.animations.size(), 3u) << name;
+  }
+  EXPECT_EQ(load_scene_from_memory(clips_file().glb(), {}, {}, {.animation = "walk"}).error().what,
+            "there is no animation 'walk'; the file has 'run', 'animation 1', 'jump'");
+  EXPECT_EQ(load_scene_from_memory(triangle_file().glb(), {}, {}, {.animation = "walk"}).error().what,
+            "there is no animation 'walk'; the file has none");
+  EXPECT_TRUE(load_scene_from_memory(triangle_file().glb(), {}, {}, {.animation = "none"}));
+}
+
 TEST(SceneChoices, CountVariantsWithoutAName) {
   GltfBuilder file = choice_file();
   file.json["extensions"]["KHR_materials_variants"]["variants"][0] = json::object();

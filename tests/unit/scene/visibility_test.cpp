@@ -32,8 +32,7 @@ GltfBuilder group_file(const json& group) {
 }
 
 /// Animates the visibility of a node: hidden between 1 s and 2 s, and the animation lasts 3 s.
-void blink(GltfBuilder& file, std::uint32_t node, const char* interpolation = "STEP",
-           int component = 5121) {
+void blink(GltfBuilder& file, std::uint32_t node, const char* interpolation = "STEP", int component = 5121) {
   const auto keys = file.accessor(file.view<float>({0, 1, 2, 3}), 5126, "SCALAR", 4);
   const auto values = component == 5121
                           ? file.accessor(file.view<std::uint8_t>({1, 0, 255, 1}), 5121, "SCALAR", 4)
@@ -44,8 +43,7 @@ void blink(GltfBuilder& file, std::uint32_t node, const char* interpolation = "S
        {"channels",
         {{{"sampler", 0},
           {"target",
-           {{"path", "pointer"},
-            {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}}}}}};
+           {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}}}}}};
   file.json["extensionsUsed"].push_back("KHR_animation_pointer");
 }
 
@@ -136,8 +134,8 @@ TEST(NodeVisibility, HidesASkinnedMeshWithItsNode) {
     GltfBuilder file = triangle_file();
     json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
     attributes["JOINTS_0"] = file.accessor(file.view(std::vector<std::uint8_t>(12, 0)), 5121, "VEC4", 3);
-    attributes["WEIGHTS_0"] = file.accessor(
-        file.view<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}), 5126, "VEC4", 3);
+    attributes["WEIGHTS_0"] =
+        file.accessor(file.view<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}), 5126, "VEC4", 3);
     const auto joint = file.node({{"extensions", visible(false)}});
     file.json["skins"] = {{{"joints", {joint}}}};
     file.json["nodes"][0]["skin"] = 0;
@@ -146,8 +144,8 @@ TEST(NodeVisibility, HidesASkinnedMeshWithItsNode) {
     blink(file, 0);
     if (moves) {
       json& animation = file.json["animations"][0];
-      const auto places = file.accessor(
-          file.view<float>({0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0}), 5126, "VEC3", 4);
+      const auto places =
+          file.accessor(file.view<float>({0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0}), 5126, "VEC3", 4);
       animation["samplers"].push_back({{"input", animation["samplers"][0]["input"]}, {"output", places}});
       animation["channels"].push_back(
           {{"sampler", 1}, {"target", {{"node", joint}, {"path", "translation"}}}});
