@@ -27,6 +27,7 @@
 #include <glm/geometric.hpp>
 
 #include "stereo/frame/view.h"
+#include "stereo/math/fov.h"
 #include "stereo/tracer/block_groups.h"
 #include "stereo/tracer/lanes.h"
 #include "stereo/tracer/ray_scene.h"
@@ -91,9 +92,10 @@ inline void resolve_miss(TileSurface& out, int at) {
   out.gx[at] = out.gy[at] = out.gz[at] = 0;
 }
 
-/// Makes the primary rays of the packet that begins at pixel `first` of a block. Lanes outside of the view
-/// are not valid. A direction is computed from the corner of the block's tile, so it does not depend on the
-/// group.
+/// Makes the primary rays of the packet that begins at pixel `first` of a block. They begin at the near
+/// plane, where the rasteriser's picture begins, too: a direction's component along -z is 1. Lanes outside of
+/// the view are not valid. A direction is computed from the corner of the block's tile, so it does not depend
+/// on the group.
 template <int K>
 void aim_at_block(const ViewRays& view, BlockPlace block, int first, Lanes<K>& lanes, RayPacket<K>& ray) {
   const std::uint32_t in_tile_x = block.x % kTileSide_px, in_tile_y = block.y % kTileSide_px;
@@ -109,7 +111,7 @@ void aim_at_block(const ViewRays& view, BlockPlace block, int first, Lanes<K>& l
     ray.dir_x[i] = corner.x + across.x * x + down.x * y;
     ray.dir_y[i] = corner.y + across.y * x + down.y * y;
     ray.dir_z[i] = corner.z + across.z * x + down.z * y;
-    ray.tnear[i] = 0;
+    ray.tnear[i] = static_cast<float>(kNearPlane_m);
     ray.tfar[i] = kFar;
   }
 }

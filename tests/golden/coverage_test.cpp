@@ -115,6 +115,27 @@ TEST_F(CoverageOf, AHiddenThingIsThereForNone) {
   }
 }
 
+/// Eyes that are 10 um below a plate see a wall above it, because the near plane cuts the plate off.
+TEST_F(CoverageOf, RaysBeginAtTheNearPlaneToo) {
+  SceneBuilder builder;
+  builder.add(quad({0, 1.2, 0}, {3, 0, 0}, {0, 0, -3}));
+  builder.add(quad({0, 1.9, -2}, {2, 0, 0}, {0, 0.6, 0}));
+  builder.point_light({0, 2, -1});
+  TestRig rig(device_, builder.build(), 96);
+  const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 1.2 - 1e-5, 0}});
+  static_cast<void>(rig.show(views, {}));
+  const Image<float> distance = rig.renderer().read_distance()[0];
+  const Mask traced = rig.trace(kNow, views);
+  std::size_t drawn = 0, lit = 0;
+  for_pixels(views[0].size, [&](std::uint32_t x, std::uint32_t y) {
+    const bool is_wall = distance.at(x, y) > 1;
+    drawn += is_wall ? 1u : 0u;
+    lit += is_wall && traced.bits[0].word(x, y) != 0 ? 1u : 0u;
+  });
+  EXPECT_GT(drawn, 500u);
+  EXPECT_EQ(lit, drawn);
+}
+
 /// The signs of a quad's scale, and whether the quad then faces a viewer at +z.
 struct Facing {
   glm::dvec3 scale;
