@@ -19,6 +19,8 @@ namespace {
 constexpr std::size_t kLeastPoints = 16;
 /// Linear: an 8-bit sRGB value below this is 0.
 constexpr float kBlack = 0.5f / 255 / 12.92f;
+/// Of no use if nothing is brighter: 13 of 255.
+constexpr float kDark = 0.004f;
 constexpr double kMostClipped = 0.5;
 /// A cure must leave at most this share black or clipped.
 constexpr double kCured = 0.5;
@@ -84,6 +86,9 @@ class PictureTrial {
   [[nodiscard]] double black(float lights, float ambient) const {
     return share(brightness(lights, ambient), [](double value) { return value < kBlack; });
   }
+  [[nodiscard]] double dark(float lights, float ambient) const {
+    return share(brightness(lights, ambient), [](double value) { return value < kDark; });
+  }
   [[nodiscard]] double clipped(float lights, float ambient) const {
     return share(brightness(lights, ambient), [](double value) { return value >= 1; });
   }
@@ -105,24 +110,26 @@ struct GivenLight {
       : exposure(lighting.exposure.value_or(1.0f)), ambient(scene.ambient / exposure) {}
 };
 
-PictureFinding black_finding(const PictureTrial& trial, const Scene& scene, const Lighting& lighting,
-                             const Exposure& exposure) {
-  const std::string what = "everything that the head sees is black";
+PictureFinding dark_finding(const PictureTrial& trial, const Scene& scene, const Lighting& lighting,
+                            const Exposure& exposure) {
+  const bool all_black = trial.black(exposure.factor(), scene.ambient) == 1;
+  const std::string what =
+      fmt::format("everything that the head sees is {}black", all_black ? "" : "almost ");
   const GivenLight given(scene, lighting);
   std::vector<double> lit = trial.brightness(1 / given.exposure, 0);
   std::erase_if(lit, [](double value) { return !(value > 0); });
   if (!lit.empty()) {
     const float wanted = rounded(kUsual / quantile(std::move(lit), 0.5));
-    const double black = trial.black(wanted / given.exposure, given.ambient * wanted);
-    if (std::isfinite(wanted) && black <= kCured)
+    const double dark = trial.dark(wanted / given.exposure, given.ambient * wanted);
+    if (std::isfinite(wanted) && dark <= kCured)
       return {true, fmt::format("{}; the cure is --exposure {:g} on both sides: then {} of it is", what,
-                                wanted, percent(black))};
+                                wanted, percent(dark))};
   }
-  const double black = trial.black(exposure.factor(), kTriedAmbient);
-  if (black <= kCured)
-    return {true, fmt::format("{}, because no light arrives there; the cure is --ambient {:g} on both sides: "
+  const double dark = trial.dark(exposure.factor(), kTriedAmbient);
+  if (dark <= kCured)
+    return {true, fmt::format("{}, because {} light arrives there; the cure is --ambient {:g} on both sides: "
                               "then {} of it is",
-                              what, kTriedAmbient, percent(black))};
+                              what, all_black ? "no" : "little", kTriedAmbient, percent(dark))};
   return {true, what + ", and stays black in any light: its materials have no colour"};
 }
 
@@ -205,8 +212,8 @@ std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Sc
                          percent(static_cast<double>(reached) / static_cast<double>(again.points().size())))};
 }
 
-/// `black`: another sentence says that nothing is lit.
-std::vector<PictureFinding> unseen_findings(const ArrivingLight& light, const Scene& scene, bool black) {
+/// `dark`: another sentence says that nothing is lit.
+std::vector<PictureFinding> unseen_findings(const ArrivingLight& light, const Scene& scene, bool dark) {
   std::vector<PictureFinding> findings;
   std::vector<std::string> others;
   for (const Unseen& unseen : unseen_lights(light)) {
@@ -217,7 +224,7 @@ std::vector<PictureFinding> unseen_findings(const ArrivingLight& light, const Sc
       }
     others.push_back(name_of_light(scene, unseen.light));
   }
-  if (others.empty() || black) return findings;
+  if (others.empty() || dark) return findings;
   const std::size_t count = others.size();
   others.resize(std::min(count, kMostNames));
   findings.push_back(
@@ -237,12 +244,12 @@ std::vector<PictureFinding> check_picture(const Surroundings& surroundings, cons
   if (light.points().size() < kLeastPoints || scene.lights.empty()) return {};
   const PictureTrial trial(light, scene);
   std::vector<PictureFinding> findings;
-  const bool black = trial.black(exposure.factor(), scene.ambient) == 1;
-  if (black)
-    findings.push_back(black_finding(trial, scene, lighting, exposure));
+  const bool dark = trial.dark(exposure.factor(), scene.ambient) == 1;
+  if (dark)
+    findings.push_back(dark_finding(trial, scene, lighting, exposure));
   else if (trial.clipped(exposure.factor(), scene.ambient) > kMostClipped)
     findings.push_back(clipped_finding(trial, scene, lighting, exposure));
-  for (PictureFinding& one : unseen_findings(light, scene, black)) findings.push_back(std::move(one));
+  for (PictureFinding& one : unseen_findings(light, scene, dark)) findings.push_back(std::move(one));
   return findings;
 }
 

@@ -18,9 +18,10 @@ struct PictureFinding {
   std::string sentence;
 };
 
-/// Tells if everything that is seen is black; if over half of it is as bright as can be (any colour channel);
-/// and which lights reach nothing of it, also whether one thing that is closed around the scene blocks them
-/// (sky.h has the rule for what is no obstacle). Empty if all is well, or less than 16 rays meet a surface.
+/// Tells if everything that is seen is (almost) black; if over half of it is as bright as can be (any colour
+/// channel); and which lights reach nothing of it, also whether one thing that is closed around the scene
+/// blocks them (sky.h has the rule for what is no obstacle). Empty if all is well, or less than 16 rays meet
+/// a surface.
 ///
 /// `rays` go through the pictures. `lighting` is what the user gave, and already part of `scene`; `exposure`
 /// is the one in use.

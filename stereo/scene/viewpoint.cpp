@@ -16,6 +16,7 @@ namespace {
 constexpr double kEyeHeight_m = 1.6, kLeastRoom_m = 2, kClearance_m = 0.3;
 constexpr std::size_t kAround = 12, kSeen = 10;  ///< of the directions
 constexpr std::size_t kInstances = 3;
+constexpr std::size_t kMostLamps = 4;
 /// The search tests every triangle, so it is left out for larger scenes.
 constexpr std::uint64_t kMostTriangles = 4'000'000;
 /// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
@@ -58,12 +59,31 @@ void meet(const glm::dvec3& eye, const glm::dvec3& ray, const std::array<glm::dv
 
 using Hits = std::array<Hit, Directions{}.size()>;
 
+/// What is seen from a place.
+struct Sight {
+  Hits around{};
+  std::array<Hit, kMostLamps> to_lamps{};
+  bool sees_lamp = false;
+};
+
+/// The first lamps that shine inside of the bounds.
+std::vector<glm::dvec3> lamps_in(const Bounds& bounds, const SceneState& state) {
+  std::vector<glm::dvec3> lamps;
+  for (const Light& light : state.light_set.lights)
+    if (light.kind != LightKind::Directional && lamps.size() < kMostLamps &&
+        glm::clamp(light.position.v, bounds.low, bounds.high) == light.position.v)
+      lamps.push_back(light.position.v);
+  return lamps;
+}
+
 /// What is seen from each of `eyes`. Every triangle is tested: this is done once.
 template <std::size_t N>
-std::array<Hits, N> look_around(const Scene& scene, const std::array<glm::dvec3, N>& eyes) {
+std::array<Sight, N> look_around(const Scene& scene, const Bounds& bounds,
+                                 const std::array<glm::dvec3, N>& eyes) {
   const Directions rays = directions();
-  std::array<Hits, N> hits{};
+  std::array<Sight, N> sights{};
   const SceneState state = state_at(scene, Time{});
+  const std::vector<glm::dvec3> lamps = lamps_in(bounds, state);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (!scene.instances[i].casts) continue;  // a sky is no wall
     const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
@@ -72,22 +92,29 @@ std::array<Hits, N> look_around(const Scene& scene, const std::array<glm::dvec3,
     const auto corner = [&](std::uint32_t v) { return pose(Point<Object>{glm::dvec3(mesh.positions[v])}).v; };
     for (const glm::uvec3& t : mesh.triangles) {
       const std::array corners{corner(t.x), corner(mirrored ? t.z : t.y), corner(mirrored ? t.y : t.z)};
-      for (std::size_t eye = 0; eye < N; ++eye)
+      for (std::size_t eye = 0; eye < N; ++eye) {
         for (std::size_t ray = 0; ray < rays.size(); ++ray)
-          meet(eyes[eye], rays[ray], corners, i, hits[eye][ray]);
+          meet(eyes[eye], rays[ray], corners, i, sights[eye].around[ray]);
+        for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp)
+          meet(eyes[eye], lamps[lamp] - eyes[eye], corners, i, sights[eye].to_lamps[lamp]);
+      }
     }
   }
-  return hits;
+  for (Sight& sight : sights)  // distances to lamps are parts of the way
+    sight.sees_lamp = std::any_of(sight.to_lamps.begin(), sight.to_lamps.begin() + std::ssize(lamps),
+                                  [](const Hit& hit) { return hit.distance >= 1; });
+  return sights;
 }
 
 double clearance(const Hits& hits) {
   return std::ranges::min_element(hits, {}, &Hit::distance)->distance;
 }
 
-bool is_in_room(const Scene& scene, const Hits& hits) {
+/// A lamp that is seen tells a room from the inside of a solid, whose surface may be double-sided, too.
+bool is_in_room(const Scene& scene, const Sight& sight) {
   std::size_t around = 0, seen = 0, facing = 0;
   std::set<std::uint32_t> instances;
-  for (const Hit& hit : hits) {
+  for (const Hit& hit : sight.around) {
     if (hit.distance == Hit{}.distance) continue;
     const Material& material = scene.materials[scene.meshes[scene.instances[hit.instance].mesh].material];
     ++around;
@@ -95,8 +122,14 @@ bool is_in_room(const Scene& scene, const Hits& hits) {
     seen += hit.faces || material.double_sided;
     instances.insert(hit.instance);
   }
-  return around >= kAround && seen >= kSeen && (facing >= kSeen || instances.size() >= kInstances) &&
-         clearance(hits) >= kClearance_m;
+  return around >= kAround && seen >= kSeen &&
+         (facing >= kSeen || instances.size() >= kInstances || sight.sees_lamp) &&
+         clearance(sight.around) >= kClearance_m;
+}
+
+/// A lit room is better than a dark one.
+double worth(const Sight& sight) {
+  return clearance(sight.around) * (sight.sees_lamp ? 2 : 1);
 }
 
 /// Looks to the middle of the scene; from there, to the farthest wall.
@@ -120,12 +153,12 @@ std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene, const Bounds&
   for (const double x : {0.5, 0.3, 0.7})
     for (const double z : {0.5, 0.3, 0.7})
       eyes[count++] = low + glm::dvec3(size.x * x, std::min(kEyeHeight_m, size.y * 0.5), size.z * z);
-  const std::array<Hits, 9> hits = look_around(scene, eyes);
+  const std::array<Sight, 9> sights = look_around(scene, bounds, eyes);
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < eyes.size(); ++i)
-    if (is_in_room(scene, hits[i]) && (!best || clearance(hits[i]) > clearance(hits[*best]))) best = i;
+    if (is_in_room(scene, sights[i]) && (!best || worth(sights[i]) > worth(sights[*best]))) best = i;
   if (!best) return std::nullopt;
-  return inside(bounds, eyes[*best], hits[*best]);
+  return inside(bounds, eyes[*best], sights[*best].around);
 }
 
 }  // namespace

@@ -11,7 +11,8 @@ namespace farshade {
 /// both eyes: at least 0.25 m away. It is level: recordings are placed upright.
 ///
 /// A place is in a room if surfaces are seen in almost all directions, none of them nearer than 0.3 m, and if
-/// it is not inside of a solid: front faces are seen, or surfaces of at least three instances.
+/// it is not inside of a solid: front faces are seen, surfaces of at least three instances, or a lamp. Where
+/// a lamp is seen, half the space is enough.
 [[nodiscard]] Rigid<Stage, Eye> viewpoint_of(const Scene& scene);
 
 /// The same without regard to the scene's camera.

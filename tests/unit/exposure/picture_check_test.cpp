@@ -91,6 +91,19 @@ TEST(PictureCheck, ABlackPictureBecauseOfTheUsersExposureGetsABetterOne) {
   EXPECT_TRUE(findings_with(scene, {.exposure = cure}).empty()) << "the cure works";
 }
 
+/// As inside of a house whose exposure is that of the garden.
+TEST(PictureCheck, AnAlmostBlackPictureGetsABetterExposureToo) {
+  SceneBuilder builder = walled();
+  builder.point_light({0, 2.5, 0});
+  Scene scene = builder.build();
+  scene.lights[0].intensity = glm::vec3(64.0f);
+  const std::vector<PictureFinding> found = findings(scene, {}, {-60});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(has(found[0], "everything that the head sees is almost black; the cure is --exposure "))
+      << found[0].sentence;
+  EXPECT_TRUE(findings_with(scene, {.exposure = number_after(found[0], "--exposure ")}).empty());
+}
+
 TEST(PictureCheck, BlackMaterialsStayBlack) {
   SceneBuilder builder = walled(glm::vec4(0, 0, 0, 1));
   builder.point_light({0, 2.5, 0});

@@ -233,6 +233,45 @@ TEST(Viewpoint, IsInARoomOfDoubleSidedWallsWithFurnitureButNotInASolid) {
   EXPECT_LT(glm::length(viewpoint_of(room).translation), 3);
 }
 
+/// A lamp at `at` in a scene of nodes without parents.
+void add_lamp(Scene& scene, const glm::dvec3& at) {
+  LightSource lamp;
+  lamp.node = static_cast<std::uint32_t>(scene.nodes.size());
+  scene.nodes.emplace_back().rest.translation = at;
+  scene.lights.push_back(lamp);
+}
+
+TEST(Viewpoint, IsInARoomOfDoubleSidedWallsWhoseLampItSees) {
+  const auto eye_with_lamp = [](const glm::dvec3& at, bool shaded) {
+    Scene room = box_scene({3, 1.5, 3}, Seen::FromOutside);
+    room.materials[0].double_sided = true;
+    if (shaded) {
+      room.meshes.push_back(box_scene({0.1, 0.1, 0.1}, Seen::FromOutside).meshes[0]);
+      room.nodes.emplace_back().rest.translation = at;
+      room.instances.push_back({1, 1});
+      room.triangle_count *= 2;
+    }
+    add_lamp(room, at);
+    return viewpoint_of(room).translation;
+  };
+  EXPECT_LT(glm::length(eye_with_lamp({0.5, 1, 0}, false)), 3);
+  EXPECT_GT(eye_with_lamp({0.5, 1, 0}, true).z, 3) << "a lamp in a closed box";
+  EXPECT_GT(eye_with_lamp({0, 5, 0}, false).z, 3) << "a lamp outside";
+}
+
+TEST(Viewpoint, IsInTheRoomWithALamp) {
+  for (const double lamp : {-3.0, 3.0}) {
+    Scene rooms = box_scene({2.5, 1.5, 2.5}, Seen::FromInside, {-3, 0, 0});
+    rooms.meshes.push_back(box_scene({2.5, 1.5, 2.5}, Seen::FromInside).meshes[0]);
+    rooms.nodes.emplace_back().rest.translation = {3, 0, 0};
+    rooms.instances.push_back({1, 1});
+    rooms.triangle_count *= 2;
+    rooms.bounds = {{-5.5, -1.5, -2.5}, {5.5, 1.5, 2.5}};
+    add_lamp(rooms, {lamp, 1, 0});
+    EXPECT_GT(viewpoint_of(rooms).translation.x * lamp, 0) << lamp;
+  }
+}
+
 TEST(Viewpoint, IsInFrontOfAnObjectOfAnySizeWithAllOfItInView) {
   for (const double size : {0.01, 1.0, 500.0}) {
     const glm::dvec3 at(3 * size, size, -2 * size);
