@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <functional>
+#include <glm/geometric.hpp>
 
 #include "stereo/exposure/chosen_exposure.h"
 #include "stereo/exposure/picture_check.h"
@@ -13,6 +15,9 @@
 
 namespace farshade {
 namespace {
+
+/// Smaller things are smaller than half a degree where both eyes can look at them.
+constexpr double kSmallest_m = 0.0014;
 
 std::string where_words(const Options& options) {
   if (options.place == Place::Recorded) return "where it was recorded";
@@ -30,27 +35,10 @@ Shown shown_part(const Options& options, const HeadRecording& recording) {
       .until = std::min(length, from + duration_from_ms((*options.frames - 1) * 1e3 / options.refresh_hz))};
 }
 
-/// A camera of the file may be inside geometry. Then the head stands where it would without that camera.
-Expected<Fit> fitted(const Options& options, const Scene& scene, const Surroundings& surroundings,
-                     const HeadRecording& recording) {
-  if (options.start_pose)
-    return fit_head(surroundings, recording, viewpoint_of(scene, options.start_pose), Anchors::Reference);
-  Expected<Fit> fit = fit_head(surroundings, recording, viewpoint_of(scene));
-  return fit ? fit : fit_head(surroundings, recording, chosen_viewpoint(scene));
-}
-
 /// At the viewpoint, or as recorded.
 PlacedHead plainly_placed(const Options& options, const Scene& scene, const HeadRecording& recording) {
   if (options.place == Place::Recorded) return {recording, {}};
   return {recording, place(recording, viewpoint_of(scene, options.start_pose))};
-}
-
-std::string cure_for(const Options& options) {
-  const char* const start_pose = options.start_pose ? "--stand with another place" : "--stand X,Y,Z";
-  const bool may_fit =
-      options.place == Place::Camera || options.place == Place::Recorded || options.start_pose;
-  return options.place == Place::Fit || !may_fit ? std::string(start_pose)
-                                                 : fmt::format("--place fit or {}", start_pose);
 }
 
 /// A way to place the head.
@@ -71,16 +59,14 @@ class Placing {
     return trial;
   }
 
-  /// Of a head that sees nothing, the walk is scaled down further, as long as that helps.
+  /// A camera of the file may be inside geometry, or see nothing. Then the head stands where it would without
+  /// that camera.
   [[nodiscard]] Expected<Trial> fitting() const {
-    const Expected<Fit> fit = fitted(options_, scene_, surroundings_, recording_);
-    if (!fit) return tl::unexpected(fit.error());
-    Trial best = fit_trial(*fit, 1);
-    for (double less = 0.5; best.placed.test.is_bad() && less > kLeastWalk; less *= 0.5) {
-      Trial smaller = fit_trial(*fit, less);
-      if (bad_poses(smaller) < bad_poses(best)) best = std::move(smaller);
-    }
-    return best;
+    if (options_.start_pose) return fitting_at(viewpoint_of(scene_, options_.start_pose), Anchors::Reference);
+    Expected<Trial> fit = fitting_at(viewpoint_of(scene_), Anchors::Around);
+    if (fit && !fit->placed.test.is_bad()) return fit;
+    Expected<Trial> elsewhere = fitting_at(chosen_viewpoint(scene_), Anchors::Around);
+    return elsewhere && (!fit || bad_poses(*elsewhere) < bad_poses(*fit)) ? elsewhere : fit;
   }
 
   static std::size_t bad_poses(const Trial& trial) {
@@ -90,22 +76,38 @@ class Placing {
  private:
   static constexpr double kLeastWalk = 1e-4;
 
+  /// Of a head that sees nothing, the walk is scaled down further, as long as that helps.
+  [[nodiscard]] Expected<Trial> fitting_at(const Rigid<Stage, Eye>& reference, Anchors anchors) const {
+    const Expected<Fit> fit = fit_head(surroundings_, recording_, reference, anchors);
+    if (!fit) return tl::unexpected(fit.error());
+    const double moved_m =
+        glm::length(start_of(*fit, fit->scale).v - viewpoint_of(scene_, options_.start_pose).translation);
+    Trial best = fit_trial(*fit, 1, moved_m);
+    for (double less = 0.5; best.placed.test.is_bad() && less > kLeastWalk; less *= 0.5) {
+      Trial smaller = fit_trial(*fit, less, moved_m);
+      if (bad_poses(smaller) < bad_poses(best)) best = std::move(smaller);
+    }
+    return best;
+  }
+
+  /// Where the recording, scaled by `scale`, begins.
+  [[nodiscard]] Point<Stage> start_of(const Fit& fit, double scale) const {
+    return fit.stage_from_recorded(
+        Point<Recorded>{recording_.samples.front().recorded_from_head.translation * scale});
+  }
+
   void test(Trial& trial) const {
     trial.placed.test = test_head(surroundings_, trial.placed.recording, trial.placed.stage_from_recorded,
                                   shown_part(options_, trial.placed.recording));
   }
 
   /// The fitted walk, scaled by `less` about its start.
-  [[nodiscard]] Trial fit_trial(const Fit& fit, double less) const {
+  [[nodiscard]] Trial fit_trial(const Fit& fit, double less, double moved_m) const {
     const double scale = fit.scale * less;
     PlacedHead placed{scaled(recording_, scale), fit.stage_from_recorded};
-    const auto start = [&](double of) {
-      return fit.stage_from_recorded(
-          Point<Recorded>{recording_.samples.front().recorded_from_head.translation * of});
-    };
-    placed.stage_from_recorded.translation += (start(fit.scale) - start(scale)).v;
+    placed.stage_from_recorded.translation += (start_of(fit, fit.scale) - start_of(fit, scale)).v;
     Trial trial{std::move(placed), fmt::format("{}, moved by {:.2f} m, its walk scaled to {:.4g} %",
-                                               where_words(options_), fit.moved_m, scale * 100)};
+                                               where_words(options_), moved_m, scale * 100)};
     test(trial);
     return trial;
   }
@@ -116,14 +118,32 @@ class Placing {
   const HeadRecording& recording_;
 };
 
-/// `why` says why the head does not stand elsewhere.
-void tell(const Options& options, const Trial& trial, const Scene& scene, const std::string& why) {
+/// What helps where the head is in a bad place: it was tried.
+std::string cure_for(const Options& options, const Scene& scene, const Surroundings& surroundings,
+                     const HeadRecording& recording) {
+  Options tried = options;
+  const auto fits = [&] {
+    const Expected<Trial> fit = Placing(tried, scene, surroundings, recording).fitting();
+    return fit && !fit->placed.test.is_bad();
+  };
+  if (fits()) return "the cure is --place fit";
+  tried.start_pose.reset();
+  if (options.start_pose && fits()) return "the cure is --place fit without --stand";
+  const double size_m = glm::length(surroundings.bounds().high - surroundings.bounds().low);
+  if (size_m < kSmallest_m)
+    return fmt::format("the scene measures {:.2g} m, too little to look at: make it larger", size_m);
+  return fmt::format("--stand {} may help", options.start_pose ? "with another place" : "X,Y,Z");
+}
+
+/// `why` says why the head does not stand elsewhere, `cure` what helps in a bad place.
+void tell(const Trial& trial, const Scene& scene, const std::string& why,
+          const std::function<std::string()>& cure) {
   const std::string still =
       scene.animation_length_s > 0 ? ", with animated things where they are at 0 s" : "";
   const std::string said =
       fmt::format("the head starts {}: {}{}{}", trial.where, in_words(trial.placed.test), still, why);
   if (trial.placed.test.is_bad())
-    spdlog::warn("{}; the cure is {}", said, cure_for(options));
+    spdlog::warn("{}; {}", said, cure());
   else
     spdlog::info(said);
 }
@@ -151,9 +171,10 @@ void judge_light(const Options& options, const Scene& scene, const Surroundings&
 Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& options, const Scene& scene,
                                const HeadRecording& recording) {
   const Placing placing(options, scene, surroundings, recording);
+  const auto cure = [&] { return cure_for(options, scene, surroundings, recording); };
   if (options.place == Place::Fit)
     return placing.fitting().map([&](Trial&& trial) {
-      tell(options, trial, scene, "");
+      tell(trial, scene, "", cure);
       return std::move(trial.placed);
     });
   Trial plain = placing.plain();
@@ -165,7 +186,7 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
       plain = std::move(*fit);
     }
   }
-  tell(options, plain, scene, why);
+  tell(plain, scene, why, cure);
   return std::move(plain.placed);
 }
 

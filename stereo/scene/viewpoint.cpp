@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <numbers>
 #include <set>
 
 #include "stereo/scene/scene_state.h"
@@ -21,8 +22,11 @@ constexpr std::size_t kMostLamps = 4;
 constexpr std::uint64_t kMostTriangles = 4'000'000;
 /// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
 constexpr double kDistance = 1.3, kAbove = 0.25;
-/// Nearer things are outside of one eye's picture, or cannot be looked at for long.
-constexpr double kNearest_m = 0.25;
+/// Nearer things cannot be looked at for long. Things that look smaller there are seen from nearer, but not
+/// from where they are outside of one eye's picture.
+constexpr double kNearest_m = 0.25, kNearestOfAll_m = 0.16, kSmall_rad = 1.2 * std::numbers::pi / 180;
+/// A side that shows less than this part of what another one shows is left.
+constexpr double kLeastShown = 0.2;
 
 /// Level directions come first.
 using Directions = std::array<glm::dvec3, 14>;
@@ -167,15 +171,56 @@ Rigid<Stage, Eye> viewpoint_of(const Scene& scene) {
   return scene.camera ? *scene.camera : chosen_viewpoint(scene);
 }
 
+namespace {
+
+/// The area that can be seen from afar in each direction, without regard to what stands before it.
+template <std::size_t N>
+std::array<double, N> shown_areas(const Scene& scene, const std::array<glm::dvec3, N>& directions) {
+  std::array<double, N> areas{};
+  const SceneState state = state_at(scene, Time{});
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.instances[i].casts) continue;
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    const Affine<Stage, Object>& pose = state.stage_from_object[i];
+    const double sign = glm::determinant(glm::dmat3(pose.matrix)) < 0 ? -1 : 1;
+    const auto corner = [&](std::uint32_t v) { return pose(Point<Object>{glm::dvec3(mesh.positions[v])}).v; };
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 a = corner(t.x), normal = sign * glm::cross(corner(t.y) - a, corner(t.z) - a);
+      for (std::size_t d = 0; d < N; ++d) {
+        const double facing = glm::dot(normal, directions[d]);
+        areas[d] += scene.materials[mesh.material].double_sided ? std::abs(facing) : std::max(facing, 0.0);
+      }
+    }
+  }
+  return areas;
+}
+
+/// From the scene to a viewer in front of it, who sees it from a little above. That is +z, unless hardly
+/// anything is seen from there: a plate from its edge, or the back of a picture.
+glm::dvec3 to_viewer(const Scene& scene) {
+  constexpr double kUp = kAbove / kDistance, kAside = 0.25;
+  const std::array<glm::dvec3, 5> ways{glm::dvec3(kAside, kUp, 1), glm::dvec3(1, kUp, kAside),
+                                       glm::dvec3(-kAside, kUp, -1), glm::dvec3(-1, kUp, -kAside),
+                                       glm::dvec3(kAside, -0.7, 1)};
+  if (scene.triangle_count > kMostTriangles) return ways[0];
+  const std::array<double, 5> areas = shown_areas(scene, ways);
+  const auto best = std::ranges::max_element(areas);
+  return areas[0] >= kLeastShown * *best ? ways[0] : ways[static_cast<std::size_t>(best - areas.begin())];
+}
+
+}  // namespace
+
 Rigid<Stage, Eye> chosen_viewpoint(const Scene& scene) {
   const Bounds bounds = bounds_without_sky(scene);
   if (const auto place = place_in_room(scene, bounds)) return *place;
   const glm::dvec3 middle = (bounds.low + bounds.high) * 0.5;
   const double radius = std::max(glm::length(bounds.high - bounds.low) * 0.5, 1e-6);
-  const glm::dvec3 back = glm::normalize(glm::dvec3(0.25, 0, 1));
-  return {.rotation = glm::quatLookAt(-back, glm::dvec3(0, 1, 0)),
-          .translation = middle + std::max(kDistance * radius, radius + kNearest_m) * back +
-                         radius * glm::dvec3(0, kAbove, 0)};
+  const double nearest_m = std::clamp(2 * radius / kSmall_rad, kNearestOfAll_m, kNearest_m);
+  const double distance = std::max(kDistance * radius, radius + nearest_m);
+  const glm::dvec3 way = to_viewer(scene);
+  const glm::dvec3 level = glm::normalize(glm::dvec3(way.x, 0, way.z));
+  return {.rotation = glm::quatLookAt(-level, glm::dvec3(0, 1, 0)),
+          .translation = middle + distance * (level + glm::dvec3(0, way.y, 0))};
 }
 
 }  // namespace farshade

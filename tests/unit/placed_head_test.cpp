@@ -38,10 +38,10 @@ Scene hall(bool in_block, std::optional<glm::dvec3> lamp = {}) {
   return scene;
 }
 
-/// A thing of 1 cm. Without a camera.
-Scene thing() {
-  SceneBuilder builder;
-  builder.add(box({0, 0, 0}, {0.005, 0.005, 0.005}));
+/// A thing of 1 cm, or of another size. Without a camera.
+Scene thing(float half = 0.005f, const glm::dvec3& at = {}) {
+  SceneBuilder builder(at);
+  builder.add(box({0, 0, 0}, {half, half, half}));
   return builder.build();
 }
 
@@ -128,6 +128,46 @@ TEST(PlacedHead, KeepsASmallThingInViewOfBothEyes) {
       EXPECT_LT(seen.z, 0);
     }
   }
+}
+
+TEST(PlacedHead, SeesATinyThingAnywhere) {
+  for (const glm::dvec3& at : {glm::dvec3(0.0), glm::dvec3(100, -40, 7)})
+    for (const float half : {0.0005f, 0.025f}) {
+      const Scene scene = thing(half, at);
+      const HeadTest test = test_of(scene, placed(scene, with(Place::Auto)));
+      EXPECT_EQ(test.see_nothing + test.inside, 0u) << half << ": " << in_words(test);
+    }
+}
+
+TEST(PlacedHead, LeavesACameraThatSeesNothing) {
+  Scene scene = thing();
+  for (const bool away : {true, false}) {
+    scene.camera = look({0, 0, 5}, {0, 0, away ? 9 : 0}, 8).stage_from_eye;
+    const HeadTest test = test_of(scene, placed(scene, with(Place::Auto)));
+    EXPECT_EQ(test.see_nothing + test.inside, 0u) << in_words(test);
+    EXPECT_GT(test_of(scene, placed(scene, with(Place::Camera))).see_nothing, 0u);
+  }
+}
+
+/// What is said where the head is placed.
+std::string said_of(const Scene& scene, const Options& options) {
+  std::ostringstream said;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  placed(scene, options);
+  spdlog::set_default_logger(before);
+  return said.str();
+}
+
+TEST(PlacedHead, NamesACureThatHelps) {
+  const Scene scene = thing();
+  EXPECT_NE(said_of(scene, with(Place::Camera)).find("; the cure is --place fit\n"), std::string::npos);
+  Options away = with(Place::Auto);
+  away.start_pose = StartPose{.at = {{0, 3, 40}}, .heading_rad = 0.0};
+  EXPECT_NE(said_of(scene, away).find("; the cure is --place fit without --stand"), std::string::npos);
+  EXPECT_NE(said_of(thing(5e-6f), with(Place::Auto)).find("too little to look at: make it larger"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -287,6 +287,28 @@ TEST(Viewpoint, IsInFrontOfAnObjectOfAnySizeWithAllOfItInView) {
   }
 }
 
+/// The back of a single-sided picture, a plate seen from its edge, and a lying one.
+TEST(Viewpoint, IsWhereAFlatThingIsSeen) {
+  const auto eye_before = [](const glm::vec3& u, const glm::vec3& v) {
+    Scene scene = box_scene({1, 1, 1}, Seen::FromOutside);
+    Mesh& mesh = scene.meshes[0];
+    mesh.positions = {-u - v, u - v, u + v, v - u};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const glm::dvec3 most(glm::abs(u) + glm::abs(v));
+    scene.bounds = {-most, most};
+    return viewpoint_of(scene).translation;
+  };
+  for (const float size : {0.005f, 1.0f, 50.0f}) {
+    const glm::vec3 x(size, 0, 0), y(0, size, 0), z(0, 0, size);
+    EXPECT_GT(eye_before(x, y).z, size);
+    EXPECT_LT(eye_before(y, x).z, -size) << "its front is at -z";
+    EXPECT_LT(eye_before(z, y).x, -size);
+    const glm::dvec3 lying = eye_before(z, x), ceiling = eye_before(x, z);
+    EXPECT_GT(lying.y / lying.z, 0.17) << "from above";
+    EXPECT_LT(ceiling.y / ceiling.z, -0.3);
+  }
+}
+
 // glTF 2.0, 3.7.4: a mirrored surface is seen from the same side as before.
 TEST(Viewpoint, IsInAMirroredRoomToo) {
   Scene room = box_scene({4, 1.5, 2}, Seen::FromInside);
