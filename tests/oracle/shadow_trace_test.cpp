@@ -1,13 +1,16 @@
 // Compares the tracer with the oracle on the bundled scenes and on random ones, and with a result on paper.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "stereo/gltf/gltf.h"
 #include "stereo/scene/sky.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/oracle/surfaces.h"
 #include "tests/support/sanitized.h"
 
 namespace farshade {
@@ -155,6 +158,88 @@ TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
     }
   EXPECT_GT(dark[0], 5000);
   EXPECT_GT(dark[1], 2000);
+}
+
+/// A ball of radius 1 with smooth normals.
+Mesh smooth_ball(std::uint32_t around, std::uint32_t up) {
+  Mesh mesh;
+  for (std::uint32_t j = 0; j <= up; ++j)
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const double elevation = std::numbers::pi * (static_cast<double>(j) / up - 0.5);
+      const double azimuth = 2 * std::numbers::pi * i / around;
+      mesh.positions.emplace_back(std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
+                                  -std::cos(elevation) * std::sin(azimuth));
+      const std::uint32_t a = j * around + i, b = j * around + (i + 1) % around;
+      if (j < up)
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, b + around}, {a, b + around, a + around}});
+    }
+  mesh.normals = mesh.positions;
+  return mesh;
+}
+
+/// The pixel-lights of a smooth ball whose shading normal faces the light, under 32 suns all around.
+struct Terminator {
+  std::size_t facing = 0, dark = 0;
+  double light = 0, lost_light = 0;  ///< sums of N . L
+  double widest_rad = 0;             ///< of a dark pixel-light from the plane N . L = 0
+};
+
+Terminator terminator_of(std::uint32_t around, std::uint32_t up) {
+  SceneBuilder builder;
+  builder.add(smooth_ball(around, up));
+  constexpr int kSuns = 32;
+  std::vector<glm::dvec3> to_suns;
+  for (int i = 0; i < kSuns; ++i) {
+    const double y = 1 - (2 * i + 1.0) / kSuns, r = std::sqrt(1 - y * y), azimuth = 2.4 * i;
+    to_suns.emplace_back(r * std::cos(azimuth), y, r * std::sin(azimuth));
+    builder.directional_light(-to_suns.back());
+  }
+  const Scene scene = builder.build();
+  const View view = look({1, 0.7, 2.3}, {0, 0, 0}, 128, 0.9);
+  expect_agrees(scene, {view, view}, Time{}, 0.05);
+  const EyeMask mask = traced(scene, view).masks[0];
+  const oracle::Surfaces surfaces(scene, state_at(scene, Time{}), oracle::Search::Tree);
+  const FovTangents window = tangents_of(view.fov);
+  Terminator sum;
+  for (std::uint32_t y = 0; y < view.size.height; ++y)
+    for (std::uint32_t x = 0; x < view.size.width; ++x) {
+      const glm::dvec3 eye = view.stage_from_eye.translation;
+      const glm::dvec3 ray =
+          view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x + 0.5, y + 0.5})}).v;
+      const std::optional<oracle::Hit> hit = surfaces.nearest({eye, ray});
+      if (!hit) continue;
+      const glm::dvec3 normal = glm::normalize(eye + hit->t * ray);  // on a ball, the normals' mean is there
+      for (std::uint32_t sun = 0; sun < kSuns; ++sun) {
+        const double strength = glm::dot(normal, to_suns[sun]);
+        if (strength <= 0) continue;
+        ++sum.facing, sum.light += strength;
+        if (mask.lit(x, y, sun)) continue;
+        ++sum.dark, sum.lost_light += strength;
+        sum.widest_rad = std::max(sum.widest_rad, std::asin(strength));
+      }
+    }
+  return sum;
+}
+
+/// docs/tracing.md has the figures that this prints.
+TEST(ShadowTrace, DarkensTrianglesAtTheTerminatorOfSmoothMeshes) {
+  struct Case {
+    std::uint32_t around, up;
+    double dark_percent, lost_percent, widest_deg;
+  };
+  for (const Case& of :
+       {Case{8, 6, 6.2, 1.22, 23.0}, Case{16, 12, 3.8, 0.43, 12.1}, Case{32, 24, 1.8, 0.09, 5.6}}) {
+    const Terminator ball = terminator_of(of.around, of.up);
+    const double dark = 100.0 * static_cast<double>(ball.dark) / static_cast<double>(ball.facing),
+                 lost = 100 * ball.lost_light / ball.light, widest = ball.widest_rad * 180 / std::numbers::pi;
+    fmt::print(
+        "{:2} x {:2} segments: {:.1f} % of the pixel-lights that face the light are dark, {:.2f} % of "
+        "the light is lost, up to {:.1f} degrees from the terminator\n",
+        of.around, of.up, dark, lost, widest);
+    EXPECT_NEAR(dark, of.dark_percent, 0.1);
+    EXPECT_NEAR(lost, of.lost_percent, 0.01);
+    EXPECT_NEAR(widest, of.widest_deg, 0.2);
+  }
 }
 
 }  // namespace
