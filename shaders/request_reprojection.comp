@@ -1,7 +1,7 @@
 // Reprojects a mask to requested views, and finds what must be asked for (docs/partial-requests.md).
 // A light of a pixel is reprojected if the four pixels around its point in the mask are known and agree in this light,
-// the depth between them is the point's, and both eyes are on the same side of their plane. A light of a block is unknown
-// if it is unknown in any pixel.
+// the depth between them is the point's and differs little, and both eyes are on the same side of their plane. A light of
+// a block is unknown if it is unknown in any pixel.
 // One invocation handles one block: lavapipe then reads and writes without atomics. Branches would cost more than they
 // save (shade.comp).
 #version 460
@@ -38,6 +38,9 @@ const uint kPlanes = FARSHADE_PLANES(kLights), kSide = FARSHADE_BLOCK_PX;
 
 // As in reproject.glsl. The depth between four pixels is exact on a plane, so surfaces that bend need no allowance.
 const float kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
+// The least ratio of the depths of four pixels. A flat view of a surface has less: a whole shadow fits between two pixels,
+// and becomes visible when the eye rises, where all four pixels agree. FindsAShadowThatGrows... needs more than 1/2.
+const float kLeastRatio = 0.8;
 
 // Where a pixel of a requested view lies in the mask.
 struct Place {
@@ -68,11 +71,11 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   float step_px = max(abs(source.origin_step.z), abs(source.origin_step.w));
   float tolerance = ((kFootprint + 2.0 * kDetail_px) * step_px + kRounding) * there;
   bool within = all(greaterThanEqual(quad, ivec2(0))) && all(lessThanEqual(quad, last));
-  // Where a depth is missing, `between` is too small, so `same` alone would refuse almost all of these points, too.
-  bool covered = all(greaterThan(depths, vec4(0.0)));
+  vec2 least = min(depths.xy, depths.zw), most = max(depths.xy, depths.zw);
+  bool even = min(least.x, least.y) > kLeastRatio * max(most.x, most.y);  // false where a depth is missing
   bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
   bool facing = on_seen_side(source, eye, depths, part, p.xy * inverse_z, between);
-  return Place(within && covered && same && facing, clamp(quad, ivec2(0), max(last, ivec2(0))));
+  return Place(within && even && same && facing, clamp(quad, ivec2(0), max(last, ivec2(0))));
 }
 
 // The bits of a quad's upper left pixel, and the lights that differ in the quad.
