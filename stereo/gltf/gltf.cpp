@@ -15,11 +15,13 @@
 namespace farshade {
 namespace {
 
-/// Makes everything that a file may describe in other ways plain, and checks it.
+/// Makes everything that a file may describe in other ways plain, and mends it.
 gltf::Checked prepare(gltf::Document& document, const SceneLimits& limits, const SceneChoice& choice) {
   return gltf::decompress(document)
-      .and_then([&] { return gltf::validate_accessors(document); })
-      .and_then([&] { return gltf::expand_instances(document); })
+      .and_then([&] {
+        gltf::validate_accessors(document);
+        return gltf::expand_instances(document);
+      })
       .and_then([&] { return gltf::choose_scene(document, choice); })
       .and_then([&] { return gltf::validate(document, limits); })
       .and_then([&] { return gltf::choose_camera(document, choice); });
@@ -33,7 +35,7 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
   gltf::SceneFolder files(folder, limits.external_bytes, list);
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
-        .and_then([&] { return gltf::read_document(container.json, container.bin, files); })
+        .and_then([&] { return gltf::read_document(container, files); })
         .and_then([&](gltf::Document&& document) -> Expected<Scene> {
           if (auto ready = prepare(document, limits, choice); !ready) return tl::unexpected(ready.error());
           return gltf::convert(document, limits);

@@ -68,6 +68,33 @@ void for_each_element(const Document& document, const Accessor& accessor, Store 
 
 }  // namespace
 
+Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document, const std::string& name,
+                                                        int number, std::size_t offset, std::size_t bytes) {
+  if (!points_into(document.buffers, number) || number < 0)
+    return malformed(name + ": there is no " + label("buffer", number));
+  const tinygltf::Buffer& buffer = at(document.buffers, number);
+  const std::span<const std::uint8_t> all = buffer.data;
+  if (offset <= all.size() && bytes <= all.size() - offset) return all.subspan(offset, bytes);
+  if (!buffer.name.empty()) return malformed(buffer.name);
+  return malformed(name + " reads beyond its buffer (" + std::to_string(all.size()) + " bytes)");
+}
+
+Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document, int index) {
+  const std::string name = label("buffer view", index);
+  if (!points_into(document.bufferViews, index) || index < 0) return malformed("there is no " + name);
+  const BufferView& view = at(document.bufferViews, index);
+  if (!view.name.empty()) return malformed(view.name);
+  return bytes_in_buffer(document, name, view.buffer, view.byteOffset, view.byteLength);
+}
+
+Expected<const Accessor*> accessor_at(const Document& document, const std::string& user, int index) {
+  if (!points_into(document.accessors, index) || index < 0)
+    return malformed(user + " " + label("accessor", index) + " is not there");
+  const Accessor& accessor = at(document.accessors, index);
+  if (accessor.name.empty()) return &accessor;
+  return malformed(user + ": " + accessor.name);
+}
+
 ElementRun elements_of(const Document& document, const Accessor& accessor) {
   if (accessor.bufferView < 0) return {};
   const std::uint64_t stride = at(document.bufferViews, accessor.bufferView).byteStride;

@@ -1,5 +1,5 @@
-/// Reads the elements of validated accessors as numbers. Handles strides, sparse elements and normalised
-/// integers.
+/// Finds buffer views and accessors, and reads the elements of validated accessors as numbers. Handles
+/// strides, sparse elements and normalised integers.
 #pragma once
 
 #include <glm/mat4x4.hpp>
@@ -11,6 +11,19 @@
 #include "stereo/gltf/gltf_model.h"
 
 namespace farshade::gltf {
+
+/// `bytes` bytes of a buffer from `offset` on, or why `name` cannot read them.
+[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document,
+                                                                      const std::string& name, int buffer,
+                                                                      std::size_t offset, std::size_t bytes);
+
+/// The bytes of a buffer view, or why they cannot be read.
+[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document, int view);
+
+/// The accessor `index`, or why it cannot be read. `user` names what reads it: "mesh 3, primitive 0:
+/// POSITION". validate_accessors must have looked for faults.
+[[nodiscard]] Expected<const Accessor*> accessor_at(const Document& document, const std::string& user,
+                                                    int index);
 
 /// The address of the first dense element of `accessor` and the distance between elements in bytes. `first`
 /// is null if the accessor has no buffer view.

@@ -2,6 +2,8 @@
 
 #include <meshoptimizer.h>
 
+#include "stereo/gltf/gltf_accessor.h"
+
 namespace farshade::gltf {
 namespace {
 
@@ -112,21 +114,14 @@ Checked DecodedBudget::take(const std::string& name, std::uint64_t bytes) {
   return {};
 }
 
-Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document, const std::string& name,
-                                                        int buffer, std::size_t offset, std::size_t bytes) {
-  if (!points_into(document.buffers, buffer))
-    return malformed(name + ": there is no " + label("buffer", buffer));
-  const std::span<const std::uint8_t> all = at(document.buffers, buffer).data;
-  if (offset > all.size() || bytes > all.size() - offset)
-    return malformed(name + " reads beyond its buffer (" + std::to_string(all.size()) + " bytes)");
-  return all.subspan(offset, bytes);
-}
-
 Checked decompress(Document& document) {
   DecodedBudget budget(document);
-  for (std::size_t i = 0; i < document.bufferViews.size(); ++i)
-    if (const auto from = meshopt_of(document.bufferViews[i]))
-      if (auto checked = decompress_view(document, i, *from, budget); !checked) return checked;
+  for (std::size_t i = 0; i < document.bufferViews.size(); ++i) {
+    const auto from = meshopt_of(document.bufferViews[i]);
+    const Checked decoded = from ? decompress_view(document, i, *from, budget) : Checked{};
+    if (!decoded && decoded.error().fault == Fault::OutOfRange) return decoded;
+    if (!decoded) document.bufferViews[i].name = decoded.error().what;
+  }
   return decompress_draco(document, budget);
 }
 

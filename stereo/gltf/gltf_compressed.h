@@ -24,15 +24,11 @@ class DecodedBudget {
   std::uint64_t left_;
 };
 
-/// Decodes all compressed views and primitives into buffers of their own. Refuses damaged ones.
+/// Decodes all compressed views and primitives into buffers of their own. A damaged view says so in its name,
+/// a damaged primitive becomes an empty one. Refuses what exceeds the budget.
 [[nodiscard]] Checked decompress(Document& document);
 
 /// Decodes the primitives with Draco meshes: their attributes and indices become accessors of their own.
 [[nodiscard]] Checked decompress_draco(Document& document, DecodedBudget& budget);
-
-/// `bytes` bytes of a buffer from `offset` on; Malformed if the buffer does not have them.
-[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document,
-                                                                      const std::string& name, int buffer,
-                                                                      std::size_t offset, std::size_t bytes);
 
 }  // namespace farshade::gltf

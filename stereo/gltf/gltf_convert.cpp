@@ -72,17 +72,15 @@ bool is_near(const glm::dvec3& p) {
 }
 
 /// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
-Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document,
-                                              MaterialConverter& materials, Scene& scene) {
+std::vector<std::uint32_t> add_mesh(const Mesh& from, const Document& document, MaterialConverter& materials,
+                                    Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
     if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
     farshade::Mesh mesh = mesh_from(document, primitive);
     if (mesh.triangles.empty()) continue;
-    const auto material = materials.material(index_of(primitive.material));
-    if (!material) return tl::unexpected(material.error());
     mesh.name = from.name;
-    mesh.material = *material;
+    mesh.material = materials.material(index_of(primitive.material));
     numbers.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
     scene.meshes.push_back(std::move(mesh));
   }
@@ -97,15 +95,13 @@ void add_instance(farshade::Mesh mesh, std::uint32_t node, std::optional<std::ui
   scene.meshes.push_back(std::move(mesh));
 }
 
-/// A primitive as a rig deforms it at time 0.
+/// A primitive as a rig deforms it at time 0. Refuses to deform it beyond 1e9 m.
 Expected<farshade::Mesh> deformed_mesh(const Document& document, const Primitive& primitive,
                                        const RigPose& pose, const std::string& name,
                                        MaterialConverter& materials) {
   farshade::Mesh mesh = deformable_mesh_from(document, primitive, !pose.object_from_bind.empty());
-  const auto material = materials.material(index_of(primitive.material));
-  if (!material) return tl::unexpected(material.error());
   mesh.name = name;
-  mesh.material = *material;
+  mesh.material = materials.material(index_of(primitive.material));
   pose_at_start(pose, mesh);
   if (!std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
     return fail(Fault::OutOfRange, "mesh '" + printable(name) + "' is deformed beyond 1e9 m");
@@ -134,9 +130,8 @@ RigPlace add_rig(const Rig& rig, std::uint32_t node, std::span<const Affine<Stag
 }
 
 /// Adds the meshes that one rig deforms. If nothing of the rig ever moves, they are like any other mesh.
-Checked add_deformed(const Document& document, const Node& from, std::uint32_t node, const Rig& rig,
-                     std::span<const Affine<Stage, Object>> poses, MaterialConverter& materials,
-                     Scene& scene) {
+void add_deformed(Document& document, const Node& from, std::uint32_t node, const Rig& rig,
+                  std::span<const Affine<Stage, Object>> poses, MaterialConverter& materials, Scene& scene) {
   const RigPose pose = pose_of(scene, rig, poses, Time{});
   const RigPlace place = add_rig(rig, node, poses, scene);
   const Mesh& mesh = at(document.meshes, from.mesh);
@@ -146,7 +141,8 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
       scene.warnings.push_back("mesh '" + printable(mesh.name) +
                                "': vertices follow their first four joints only");
     auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
-    if (!deformed) return tl::unexpected(deformed.error());
+    if (!deformed) document.repairs.add(kNotDrawn, deformed.error());
+    if (!deformed) continue;
     if (place.rig) {
       for (farshade::Mesh& part : parts_of(std::move(*deformed)))
         add_instance(std::move(part), place.node, place.rig, scene);
@@ -156,42 +152,58 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
       add_instance(std::move(*deformed), place.node, {}, scene);
     }
   }
-  return {};
+}
+
+/// The nodes that a scale of 0 hides: their own, on at least two axes, or that of a node above them. A node
+/// whose scale is animated is not among them. Below a hidden node, further scales of 0 would only make
+/// numbers too small for the lights there, so they become 1.
+std::vector<bool> hidden_nodes(Scene& scene) {
+  std::vector<bool> hidden(scene.nodes.size());
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    const glm::dvec3& scale = scene.nodes[i].rest.scale;
+    hidden[i] = (scale.x == 0) + (scale.y == 0) + (scale.z == 0) >= 2;
+  }
+  for (const Channel& channel : scene.channels)
+    if (channel.path == Path::Scale) hidden[channel.node] = false;
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    const auto parent = scene.nodes[i].parent;
+    if (!parent || !hidden[*parent]) continue;
+    if (hidden[i]) scene.nodes[i].rest.scale = glm::dvec3(1.0);
+    hidden[i] = true;
+  }
+  return hidden;
 }
 
 /// Meshes that a rig deforms are converted for each node alone.
-Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+Checked add_instances(Document& document, const NodeOrder& order, const SceneLimits& limits,
                       const WeightTracks& tracks, const std::vector<Shown>& shown, Scene& scene) {
   MaterialConverter materials(document, limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
   const auto still = static_cast<std::uint32_t>(scene.nodes.size());
   if (!document.skins.empty()) scene.nodes.emplace_back().name = "joints that are not in the scene";
+  const std::vector<bool> hidden = hidden_nodes(scene);
   const auto poses = stage_from_nodes(scene, Time{});
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
     const std::uint32_t number = order.from_document[node];
     const Node& from = document.nodes[number];
-    if (from.mesh < 0 || shown[node] == Shown::Never) continue;
+    if (from.mesh < 0 || shown[node] == Shown::Never || (hidden[node] && from.skin < 0)) continue;
     const std::optional<std::uint32_t> shown_with =
         shown[node] == Shown::Sometimes ? std::optional(node) : std::nullopt;
     if (deforms(document, from, number, tracks)) {
       const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
       const std::size_t first = scene.instances.size();
-      if (auto added = add_deformed(document, from, node, rig, poses, materials, scene); !added) return added;
+      add_deformed(document, from, node, rig, poses, materials, scene);
       for (std::size_t i = first; i < scene.instances.size(); ++i) scene.instances[i].shown_with = shown_with;
       continue;
     }
     auto& shared = at(converted, from.mesh);
-    if (!shared) {
-      auto numbers = add_mesh(at(document.meshes, from.mesh), document, materials, scene);
-      if (!numbers) return tl::unexpected(numbers.error());
-      shared = std::move(*numbers);
-    }
+    if (!shared) shared = add_mesh(at(document.meshes, from.mesh), document, materials, scene);
     for (const std::uint32_t mesh : *shared) {
       scene.instances.push_back({.mesh = mesh, .node = node, .shown_with = shown_with});
       scene.triangle_count += scene.meshes[mesh].triangles.size();
     }
   }
-  if (scene.instances.empty()) return malformed("nothing to draw: the default scene has no triangles");
+  if (scene.instances.empty()) return document.repairs.nothing_to_draw("the scene has no triangles");
   return {};
 }
 
@@ -241,10 +253,23 @@ Index camera_node(const Document& document, const NodeOrder& order) {
   return found;
 }
 
-Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
-  const SceneState state = state_at(scene, Time{});
+/// Removes what has no direction: below scales whose product is too small for a double.
+void remove_without_direction(std::span<const Affine<Stage, Object>> poses, Repairs& repairs, Scene& scene) {
+  const auto is_small = [&](const LightSource& light) {
+    return light.kind != LightKind::Point && !(glm::length(glm::dvec3(poses[light.node].matrix[2])) > 1e-150);
+  };
+  if (std::erase_if(scene.lights, is_small) > 0)
+    repairs.add("it is left out", "a light is scaled to nothing");
+  if (!scene.camera || std::isfinite(glm::length(scene.camera->rotation))) return;
+  repairs.add("it is left out", "the camera is scaled to nothing");
+  scene.camera.reset();
+}
+
+Checked add_places(Document& document, const NodeOrder& order, Scene& scene) {
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
+  remove_without_direction(poses, document.repairs, scene);
+  const SceneState state = state_at(scene, Time{});
   scene.bounds = kNoPoint;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Bounds object = bounds_of(scene.meshes[scene.instances[i].mesh].positions);
@@ -260,8 +285,7 @@ Checked add_places(const Document& document, const NodeOrder& order, Scene& scen
 
 }  // namespace
 
-Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
-  if (document.scenes.empty()) return malformed("nothing to draw: the file has no scene");
+Expected<Scene> convert(Document& document, const SceneLimits& limits) {
   const NodeOrder order = order_nodes(document);
   Scene scene;
   scene.warnings = document.warnings;
@@ -275,6 +299,8 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
           .and_then([&] { return add_lights(document, order, limits, lights, shown, scene); })
           .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
+  const std::vector<std::string> repairs = document.repairs.sentences();
+  scene.warnings.insert(scene.warnings.end(), repairs.begin(), repairs.end());
   remove_needless_alpha_tests(scene);
   find_sky(scene);
   return scene;

@@ -7,8 +7,8 @@
 
 namespace farshade::gltf {
 
-/// Refuses images that cannot be decoded, scenes without triangles, more lights than the limit, and geometry
-/// further than 1e9 m from the origin. Does not set name and hash.
-[[nodiscard]] Expected<Scene> convert(const Document& document, const SceneLimits& limits);
+/// Refuses scenes without triangles, more lights than the limit, and geometry further than 1e9 m from the
+/// origin. Does not set name and hash.
+[[nodiscard]] Expected<Scene> convert(Document& document, const SceneLimits& limits);
 
 }  // namespace farshade::gltf

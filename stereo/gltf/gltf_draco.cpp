@@ -8,6 +8,7 @@
 
 #include <cstring>
 
+#include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_compressed.h"
 
 namespace farshade::gltf {
@@ -166,9 +167,9 @@ Checked take_attribute(Document& document, const std::string& name, Primitive& p
   const std::string subject = name + ": " + printable(semantic);
   const draco::PointAttribute* from = mesh.GetAttributeByUniqueId(id);
   if (!from) return malformed(subject + " is not in the mesh");
-  if (*number >= document.accessors.size())
-    return malformed(subject + ": there is no " + label("accessor", *number));
-  const Accessor& accessor = document.accessors[*number];
+  const auto found = accessor_at(document, subject, static_cast<int>(*number));
+  if (!found) return tl::unexpected(found.error());
+  const Accessor& accessor = **found;
   const Shape shape = shape_of(accessor);
   if (accessor.count != mesh.num_points() || shape.columns != 1 || shape.rows != from->num_components() ||
       accessor.sparse.isSparse)
@@ -196,16 +197,13 @@ int take_indices(Document& document, std::uint32_t accessor, const draco::Mesh& 
 /// `draco`: the extension of the primitive.
 Checked decompress_primitive(Document& document, const std::string& name, const tinygltf::Value& draco,
                              Primitive& primitive, DecodedBudget& budget) {
-  const std::uint32_t number = index_member(draco, "bufferView").value_or(0);
-  if (number >= document.bufferViews.size())
-    return malformed(name + ": there is no " + label("buffer view", number));
-  const Index indices = index_of(primitive.indices);
-  if (!indices || *indices >= document.accessors.size() || primitive.mode != TINYGLTF_MODE_TRIANGLES)
+  const auto indices = accessor_at(document, name + ": index", primitive.indices);
+  if (primitive.indices < 0 || primitive.mode != TINYGLTF_MODE_TRIANGLES)
     return malformed(name + " should have triangles with indices");
-  const std::uint64_t triangles = document.accessors[*indices].count / 3;
-  const BufferView& view = document.bufferViews[number];
-  const auto bytes = bytes_in_buffer(document, name, view.buffer, view.byteOffset, view.byteLength);
-  if (!bytes) return tl::unexpected(bytes.error());
+  if (!indices) return tl::unexpected(indices.error());
+  const std::uint64_t triangles = (*indices)->count / 3;
+  const auto bytes = bytes_of_view(document, static_cast<int>(index_member(draco, "bufferView").value_or(0)));
+  if (!bytes) return malformed(name + ": " + bytes.error().what);
   const auto mesh = decode_mesh(*bytes, name, triangles, budget);
   if (!mesh) return tl::unexpected(mesh.error());
   if (const auto* attributes = member(draco, "attributes"))
@@ -213,7 +211,7 @@ Checked decompress_primitive(Document& document, const std::string& name, const 
       const std::uint32_t id = index_member(*attributes, semantic).value_or(0);
       if (auto taken = take_attribute(document, name, primitive, semantic, id, **mesh); !taken) return taken;
     }
-  primitive.indices = take_indices(document, *indices, **mesh);
+  primitive.indices = take_indices(document, static_cast<std::uint32_t>(primitive.indices), **mesh);
   return {};
 }
 
@@ -227,8 +225,9 @@ Checked decompress_draco(Document& document, DecodedBudget& budget) {
       if (!draco || !draws_triangles(primitive)) continue;
       const std::string name =
           "the Draco mesh of " + label("mesh", m, document.meshes[m].name) + ", " + label("primitive", p);
-      if (auto checked = decompress_primitive(document, name, *draco, primitive, budget); !checked)
-        return checked;
+      Checked decoded = decompress_primitive(document, name, *draco, primitive, budget);
+      decoded = mended(std::move(decoded), document.repairs, kNotDrawn, [&] { primitive = {}; });
+      if (!decoded) return decoded;
     }
   return {};
 }

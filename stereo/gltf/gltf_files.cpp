@@ -32,13 +32,13 @@ struct Chunk {
 };
 
 /// Removes the first chunk from `rest` and returns it.
-Expected<Chunk> take_chunk(std::span<const std::byte>& rest) {
+Expected<Chunk> take_chunk(std::span<const std::byte>& rest, Repairs& repairs) {
   if (rest.size() < kChunkHeaderBytes) return malformed("GLB: a chunk header is cut off");
   const std::uint64_t length = u32_at(rest, 0);
   if (length > rest.size() - kChunkHeaderBytes)
     return malformed("GLB: a chunk says " + std::to_string(length) + " bytes, the file has " +
                      std::to_string(rest.size() - kChunkHeaderBytes) + " left");
-  if (length % 4 != 0) return malformed("GLB: a chunk does not end at a multiple of 4 bytes");
+  if (length % 4 != 0) repairs.add(kReadAnyway, "GLB: a chunk does not end at a multiple of 4 bytes");
   const Chunk chunk{u32_at(rest, 4), rest.subspan(kChunkHeaderBytes, length)};
   rest = rest.subspan(kChunkHeaderBytes + length);
   return chunk;
@@ -48,18 +48,37 @@ Expected<Container> open_glb(std::span<const std::byte> file) {
   if (file.size() < kHeaderBytes) return malformed("GLB: the header is cut off");
   if (const auto version = u32_at(file, 4); version != 2)
     return fail(Fault::Unsupported, "GLB: version " + std::to_string(version) + ", only 2 is read");
-  if (const auto length = u32_at(file, 8); length != file.size())
-    return malformed("GLB: the header says " + std::to_string(length) + " bytes, the file has " +
-                     std::to_string(file.size()));
   auto rest = file.subspan(kHeaderBytes);
-  const auto json = take_chunk(rest);
+  Container container;
+  const std::size_t length = u32_at(file, 8);
+  if (length != file.size())
+    container.repairs.add(kReadAnyway, "GLB: the header says " + std::to_string(length) +
+                                           " bytes, the file has " + std::to_string(file.size()));
+  const auto json = take_chunk(rest, container.repairs);
   if (!json) return tl::unexpected(json.error());
   if (json->kind != kJsonChunk) return malformed("GLB: the first chunk is not JSON");
-  Container container{text_of(json->payload), {}};
-  if (rest.empty()) return container;
-  const auto bin = take_chunk(rest);
+  container.json = text_of(json->payload);
+  if (rest.size() < kChunkHeaderBytes || file.size() - rest.size() == length) return container;
+  const auto bin = take_chunk(rest, container.repairs);
   if (!bin) return tl::unexpected(bin.error());
   if (bin->kind == kBinChunk) container.bin = bin->payload;
+  return container;
+}
+
+/// Takes away what JSON text must not have: a byte order mark before it, and zero bytes after it.
+Expected<Container> trimmed(Container container) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  std::string_view& json = container.json;
+  if (json.starts_with("\xff\xfe") || json.starts_with("\xfe\xff"))
+    return fail(Fault::Unsupported, "the JSON text is UTF-16: save it as UTF-8");
+  if (json.starts_with(kMark)) {
+    container.repairs.add("it is skipped", "the JSON text begins with a byte order mark");
+    json.remove_prefix(kMark.size());
+  }
+  if (json.ends_with('\0')) {
+    container.repairs.add("they are skipped", "the JSON text ends with zero bytes");
+    json = json.substr(0, json.find_last_not_of('\0') + 1);
+  }
   return container;
 }
 
@@ -142,12 +161,14 @@ std::vector<SceneFile> SceneFolder::files() const {
 }
 
 Expected<Container> open_container(std::span<const std::byte> file) {
-  if (file.size() >= 4 && u32_at(file, 0) == kMagic) return open_glb(file);
-  const std::string_view text = text_of(file);
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos || text[first] != '{')
+  const bool is_glb = file.size() >= 4 && u32_at(file, 0) == kMagic;
+  auto container =
+      (is_glb ? open_glb(file) : Expected<Container>(Container{text_of(file)})).and_then(trimmed);
+  if (!container || is_glb) return container;
+  const auto first = container->json.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos || container->json[first] != '{')
     return malformed("neither a GLB nor a glTF JSON text");
-  return Container{text, {}};
+  return container;
 }
 
 Expected<void> check_json_depth(std::string_view json, std::uint32_t most) {

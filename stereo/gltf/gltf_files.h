@@ -13,6 +13,7 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/gltf/gltf.h"
+#include "stereo/gltf/gltf_repairs.h"
 
 namespace farshade::gltf {
 
@@ -48,7 +49,8 @@ class SceneFolder {
 /// The parts of a glTF file, as views into its bytes.
 struct Container {
   std::string_view json;
-  std::span<const std::byte> bin;  ///< the binary chunk of a GLB; empty if there is none
+  std::span<const std::byte> bin{};  ///< the binary chunk of a GLB; empty if there is none
+  Repairs repairs{};                 ///< faults of the container
 };
 [[nodiscard]] Expected<Container> open_container(std::span<const std::byte> file);
 

@@ -31,9 +31,10 @@ std::optional<Instancing> instancing_of(const Node& node) {
 Checked check_attribute(const Document& document, const std::string& name, Index index, std::uint32_t rows,
                         std::optional<std::uint64_t>& count) {
   if (!index) return {};
+  const auto found = accessor_at(document, name + ": instance", static_cast<int>(*index));
+  if (!found) return tl::unexpected(found.error());
+  const Accessor& accessor = **found;
   const std::string subject = name + ": instance " + label("accessor", *index);
-  if (*index >= document.accessors.size()) return malformed(subject + " is not there");
-  const Accessor& accessor = document.accessors[*index];
   const Component component = component_of(accessor);
   const bool whole = accessor.normalized && (component == Component::Int8 || component == Component::Int16);
   if (!has_shape(accessor, rows) || !(component == Component::Float || (rows == 4 && whole)))
@@ -126,7 +127,8 @@ Checked expand_instances(Document& document) {
     if (!instancing || node.mesh < 0 || node.skin >= 0) continue;  // a skin has the place of its joints
     const std::string name = label("node", i, node.name);
     const auto count = check_instances(document, name, *instancing);
-    if (!count) return tl::unexpected(count.error());
+    if (!count) document.repairs.add("its mesh is drawn once", count.error());
+    if (!count) continue;
     // What each instance has besides its place: its name, the weights, and channels that move them.
     const std::uint64_t each = 1 + node.name.size() / 64 + node.weights.size() / 16 + channels.count(i) / 8;
     if (*count > left / each)

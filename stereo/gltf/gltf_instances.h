@@ -6,8 +6,8 @@
 namespace farshade::gltf {
 
 /// Replaces the mesh of each node with instances by children that show it, one for each instance. Accessors
-/// must be valid. Refuses more instances than a file of this size should have. Instances of scale 0 are left
-/// out.
+/// must have been validated; a node whose own do not fit shows its mesh once. Refuses more instances than a
+/// file of this size should have. Instances of scale 0 are left out.
 [[nodiscard]] Checked expand_instances(Document& document);
 
 }  // namespace farshade::gltf

@@ -12,6 +12,8 @@ namespace farshade::gltf {
 namespace {
 
 constexpr double kMostIntensity = 1e30;
+/// A light of a larger range has no limit. Files write the largest float for that.
+constexpr double kMostRange_m = 1e30;
 
 LightProperty property_from(const std::string& name) {
   return name == "color"                 ? LightProperty::Color
@@ -91,7 +93,8 @@ LightValues values_of(const Light& light) {
                      .inner_cone_rad = light.spot.innerConeAngle,
                      .outer_cone_rad = light.spot.outerConeAngle,
                      .range_m = {}};
-  if (light.range > 0) values.range_m = light.range;  // tinygltf writes 0 for a light without a range
+  // tinygltf writes 0 for a light without a range.
+  if (light.range > 0 && light.range < kMostRange_m) values.range_m = light.range;
   return values;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "stereo/gltf/gltf_accessor.h"
 #include "stereo/image/codec.h"
 
 namespace farshade::gltf {
@@ -10,22 +11,19 @@ namespace {
 
 using tinygltf::Value;
 
-Wrap wrap_from(int code) {
-  return code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::MirroredRepeat
-         : code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE ? Wrap::ClampToEdge
-                                                       : Wrap::Repeat;
-}
-
+/// The alpha test of a material, whose mode must be known.
 std::optional<float> cutoff_from(const Material& material) {
   if (material.alphaMode == "BLEND") return 0.5f;
-  if (material.alphaMode == "OPAQUE") return {};
-  return static_cast<float>(material.alphaCutoff);
+  if (material.alphaMode != "MASK") return {};
+  return static_cast<float>(std::min(material.alphaCutoff, 1e30));
 }
 
-std::span<const std::uint8_t> file_of(const Document& document, const tinygltf::Image& image) {
-  if (image.bufferView < 0) return image.image;
-  const BufferView& view = at(document.bufferViews, image.bufferView);
-  return std::span(at(document.buffers, view.buffer).data).subspan(view.byteOffset, view.byteLength);
+/// The bytes of an image's file, or why they cannot be read.
+Expected<std::span<const std::uint8_t>> file_of(const Document& document, std::uint32_t index) {
+  const tinygltf::Image& image = document.images[index];
+  if (image.bufferView >= 0) return bytes_of_view(document, image.bufferView);
+  if (const auto& why = document.unreadable[index]) return tl::unexpected(*why);
+  return std::span<const std::uint8_t>(image.image);
 }
 
 TextureUse texture_use(std::uint32_t texture, std::uint32_t texcoord, const Value* transform) {
@@ -41,6 +39,8 @@ TextureUse texture_use(std::uint32_t texture, std::uint32_t texcoord, const Valu
 
 /// SceneLimits::all_image_pixels says why.
 constexpr std::uint64_t kMostPixelsPerByte = 16;
+/// Damaged images up to SceneLimits::image_pixels that a file may have. They cost as much time as others.
+constexpr std::uint32_t kMostDamaged = 8;
 
 /// The smallest alpha of a texture, 0 to 1.
 float least_alpha(const farshade::Texture& texture) {
@@ -71,43 +71,43 @@ std::optional<TextureUse> texture_of(const Material& material) {
                      extension(from.extensions, "KHR_texture_transform"));
 }
 
-MaterialConverter::MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene)
+MaterialConverter::MaterialConverter(Document& document, const SceneLimits& limits, Scene& scene)
     : document_(document), limits_(limits), scene_(scene), pixels_left_(limits.image_pixels) {
   std::set<int> views;  // a file counts once, whatever number of images it is
-  for (const tinygltf::Image& image : document.images)
-    if (image.bufferView < 0 || views.insert(image.bufferView).second)
-      pixels_left_ += kMostPixelsPerByte * file_of(document, image).size();
+  for (std::uint32_t i = 0; i < document.images.size(); ++i) {
+    const int view = document.images[i].bufferView;
+    if (view >= 0 && !views.insert(view).second) continue;
+    if (const auto file = file_of(document, i)) pixels_left_ += kMostPixelsPerByte * file->size();
+  }
   pixels_left_ = std::min(pixels_left_, limits.all_image_pixels);
 }
 
-Expected<std::uint32_t> MaterialConverter::material(Index index) {
+std::uint32_t MaterialConverter::material(Index index) {
   if (const auto known = materials_.find(index); known != materials_.end()) return known->second;
   farshade::Material result;
   if (index) {
     const Material& from = document_.materials[*index];
+    const std::string name = label("material", *index, from.name);
+    const glm::dvec4 color = base_color_of(from), within = glm::clamp(color, 0.0, 1.0);
+    if (color != within)
+      document_.repairs.add("it is cut off", name + ": the base colour factor is outside of 0 to 1");
+    if (from.alphaMode != "OPAQUE" && from.alphaMode != "MASK" && from.alphaMode != "BLEND")
+      document_.repairs.add("it is opaque",
+                            name + ": unknown alpha mode '" + printable(from.alphaMode) + "'");
     result.name = from.name;
-    result.base_color = glm::vec4(base_color_of(from));
+    result.base_color = glm::vec4(within);
     result.alpha_cutoff = cutoff_from(from);
     result.double_sided = from.doubleSided;
     result.unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
-    const std::optional<TextureUse> use = texture_of(from);
-    const bool has_image = use && is_readable(image_of(document_.textures[use->texture]));
-    if (use && !has_image) leave_out_texture();
-    if (has_image) {
-      const auto number = texture(use->texture);
-      if (!number) return tl::unexpected(number.error());
-      result.texture = *number;
-    }
+    if (const auto use = texture_of(from)) result.texture = texture(name, use->texture);
   }
   scene_.materials.push_back(std::move(result));
   return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
 }
 
-/// False for no image, and for a format that no library of Debian decodes: the base colour factor is drawn.
-bool MaterialConverter::is_readable(Index image) const {
+/// False for a format that no library of Debian decodes.
+bool MaterialConverter::is_known(std::span<const std::uint8_t> file) const {
   using namespace std::string_view_literals;
-  if (!image) return false;
-  const auto file = file_of(document_, document_.images[*image]);
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
 }
@@ -118,26 +118,61 @@ void MaterialConverter::leave_out_texture() {
   scene_.warnings.emplace_back("textures without a PNG, JPEG or WebP image are left out");
 }
 
-Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {
+Wrap MaterialConverter::wrap_from(int sampler, int code) {
+  if (code == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Wrap::MirroredRepeat;
+  if (code == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::ClampToEdge;
+  if (code != TINYGLTF_TEXTURE_WRAP_REPEAT)
+    document_.repairs.add("it repeats",
+                          label("sampler", sampler) + ": unknown wrap mode " + std::to_string(code));
+  return Wrap::Repeat;
+}
+
+/// `user` names the material.
+Index MaterialConverter::texture(const std::string& user, std::uint32_t index) {
+  constexpr const char* kColor = "the base colour factor is drawn";
+  if (index >= document_.textures.size()) {
+    document_.repairs.add(kColor, user + ": there is no " + label("texture", index));
+    return {};
+  }
   const tinygltf::Texture& from = document_.textures[index];
-  const std::uint32_t source = *image_of(from);
-  const auto sampler = from.sampler < 0 ? tinygltf::Sampler{} : at(document_.samplers, from.sampler);
-  const TextureKey key{source, wrap_from(sampler.wrapS), wrap_from(sampler.wrapT)};
+  const Index source = image_of(from);
+  if (source && *source >= document_.images.size()) {
+    document_.repairs.add(kColor, label("texture", index) + ": there is no " + label("image", *source));
+    return {};
+  }
+  const bool has_sampler = points_into(document_.samplers, from.sampler);
+  if (!has_sampler)
+    document_.repairs.add("it repeats",
+                          label("texture", index) + ": there is no " + label("sampler", from.sampler));
+  const auto sampler =
+      from.sampler >= 0 && has_sampler ? at(document_.samplers, from.sampler) : tinygltf::Sampler{};
+  const auto file = source ? file_of(document_, *source) : Expected<std::span<const std::uint8_t>>();
+  if (!source || (file && !is_known(*file))) {
+    leave_out_texture();
+    return {};
+  }
+  const TextureKey key{*source, wrap_from(from.sampler, sampler.wrapS),
+                       wrap_from(from.sampler, sampler.wrapT)};
   if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
-  auto image = decode(source);
-  if (!image) return tl::unexpected(image.error());
+  auto image = decode(*source);
+  if (!image) {
+    const std::string name = label("image", *source, document_.images[*source].name);
+    document_.repairs.add(kColor, {image.error().fault, name + ": " + image.error().what});
+    return textures_[key] = Index{};
+  }
   scene_.textures.push_back({std::move(*image), std::get<1>(key), std::get<2>(key)});
   return textures_[key] = static_cast<std::uint32_t>(scene_.textures.size() - 1);
 }
 
 Expected<farshade::Image<Rgba8>> MaterialConverter::decode(std::uint32_t index) {
-  const tinygltf::Image& from = document_.images[index];
-  const std::string name = label("image", index, from.name);
-  if (const auto& why = document_.unreadable[index]) return fail(why->fault, name + ": " + why->what);
-  auto image =
-      decode_image(std::as_bytes(file_of(document_, from)), std::min(limits_.image_pixels, pixels_left_));
-  if (!image) return fail(image.error().fault, name + ": " + image.error().what);
-  pixels_left_ -= image->size.pixels();
+  const auto file = file_of(document_, index);
+  if (!file) return tl::unexpected(file.error());
+  const std::uint64_t usual = kMostPixelsPerByte * file->size();
+  const std::uint64_t most = damaged_ < kMostDamaged ? limits_.image_pixels : usual;
+  auto image = decode_image(std::as_bytes(*file), std::min({limits_.image_pixels, most, pixels_left_}));
+  const bool is_damaged = !image && image.error().fault == Fault::Malformed;
+  damaged_ += is_damaged;
+  pixels_left_ -= std::min(pixels_left_, image ? image->size.pixels() : is_damaged ? usual : 0);
   return image;
 }
 

@@ -31,26 +31,28 @@ struct TextureUse {
 class MaterialConverter {
  public:
   /// The arguments must outlive this object.
-  MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene);
+  MaterialConverter(Document& document, const SceneLimits& limits, Scene& scene);
 
   /// Index in Scene::materials of a material of the document; no index: of the default material. Decodes the
-  /// texture and refuses damaged images.
-  [[nodiscard]] Expected<std::uint32_t> material(Index index);
+  /// texture. If that is not possible, the material has its base colour factor only.
+  [[nodiscard]] std::uint32_t material(Index index);
 
  private:
   using TextureKey = std::tuple<std::uint32_t, Wrap, Wrap>;  ///< image, wrap modes
-  Expected<std::uint32_t> texture(std::uint32_t index);
-  [[nodiscard]] bool is_readable(Index image) const;
+  Index texture(const std::string& user, std::uint32_t index);
+  Wrap wrap_from(int sampler, int code);
+  [[nodiscard]] bool is_known(std::span<const std::uint8_t> file) const;
   void leave_out_texture();
   Expected<farshade::Image<Rgba8>> decode(std::uint32_t index);
 
-  const Document& document_;
+  Document& document_;
   const SceneLimits& limits_;
   Scene& scene_;
   std::uint64_t pixels_left_;  ///< for all images together, against small files that hold many large images
+  std::uint32_t damaged_ = 0;  ///< images
   bool leaves_out_texture_ = false;
   std::map<Index, std::uint32_t> materials_;
-  std::map<TextureKey, std::uint32_t> textures_;
+  std::map<TextureKey, Index> textures_;
 };
 
 /// Removes the alpha test of materials whose alpha is never below the cutoff.

@@ -8,12 +8,9 @@
 
 namespace farshade::gltf {
 
-/// Checks the members of `root` that say what a program must be able to read: version and extensions. Other
-/// faults of a file often follow from them.
-[[nodiscard]] Checked check_needs(const nlohmann::json& root);
-
-/// Checks all members of the table and removes all others. Returns the first fault, such as
-/// "accessors[17].count should be a whole number from 1 to 9007199254740991".
-[[nodiscard]] Checked keep_members(nlohmann::json& root);
+/// Removes all members that are not in the table or have a wrong value, such as a text for "nodes[3].mesh".
+/// An object that means nothing without them becomes one that is not drawn or, if something else names it,
+/// one whose name tells the fault.
+void keep_members(nlohmann::json& root, Repairs& repairs);
 
 }  // namespace farshade::gltf

@@ -1,6 +1,6 @@
 /// The content of a glTF file as tinygltf stores it (Document), and short words for what the loader asks of
 /// it. gltf_read.cpp fills a Document; the members of the file have the right types then, but indices and
-/// ranges may still be wrong. gltf_validate.cpp checks them before the Document is converted to a Scene.
+/// ranges may still be wrong. gltf_validate.cpp mends them before the Document is converted to a Scene.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -17,6 +17,7 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/base/printable.h"
+#include "stereo/gltf/gltf_repairs.h"
 
 namespace farshade::gltf {
 
@@ -48,13 +49,15 @@ struct LightChannel {
   std::string property;  ///< such as "color" or "spot/outerConeAngle"
 };
 
-/// The file, and what the loader finds beside it.
+/// The file, and what the loader finds beside it. Nobody reads the names of buffers, buffer views and
+/// accessors in the file: here they say why one cannot be used, and are empty if it can.
 struct Document : tinygltf::Model {
   std::vector<std::vector<LightChannel>> light_channels;  ///< of each animation
   std::vector<std::optional<Error>> unreadable;  ///< for each image: why its external file could not be read
   Index chosen_camera;                           ///< node (choose_camera); none: the reference camera
   std::vector<std::string> clips;                ///< all animations of the file, also those that do not play
   std::vector<std::string> warnings;             ///< what is not drawn as the file says, one sentence each
+  Repairs repairs;                               ///< faults of the file, and what is drawn instead
 };
 
 /// True if the index is absent or in range for `list`.

@@ -1,9 +1,8 @@
 /// tinygltf 2.7 refuses, changes or forgets some of what the loader needs: indices without a buffer view
 /// (Draco), buffers without bytes (meshopt), '+' in names of files, media types that it does not know,
-/// channels without a node (KHR_animation_pointer). It also forms the address of an image in a buffer before
-/// anyone could check it. So it reads a text that stands for the file: buffers and images have numbers for
-/// names, under which SceneFolder serves their bytes (FileServer), and what tinygltf would refuse is put back
-/// afterwards.
+/// strides that are no multiple of 4, channels without a node (KHR_animation_pointer). It also forms the
+/// address of an image in a buffer before anyone could check it. So it reads a text without buffers and
+/// images, which are read here, and what else tinygltf would refuse is put back afterwards.
 #include "stereo/gltf/gltf_read.h"
 
 #include <fstream>  // tinygltf's writers need it and do not include it with TINYGLTF_NO_FS
@@ -11,7 +10,6 @@
 #define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>
 
-#include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -43,7 +41,10 @@ bool is_version_1(const json& root) {
   return meshes != root.end() && meshes->is_object();
 }
 
-Checked check_version(const json& asset) {
+Checked check_version(json& root, Repairs& repairs) {
+  json& asset = root["asset"];
+  if (asset.emplace("version", "2.0").second)
+    repairs.add("the file is read as glTF 2.0", "asset.version is missing");
   const std::string version = asset["version"], least = asset.value("minVersion", "2.0");
   if (version.starts_with("2.") && least == "2.0") return {};
   return fail(Fault::Unsupported,
@@ -100,174 +101,83 @@ bool is_fallback(const json& buffer) {
   return false;
 }
 
-/// Calls `check_item(index, item)` for each object of a list, up to the first fault.
-template <class Check>
-Checked check_list(json& of, const char* name, Check check_item) {
-  const std::span<json> list = list_of(of, name);
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (Checked checked = check_item(i, list[i]); !checked) return checked;
+/// Mends what tinygltf changes or does not keep.
+void mend_before_reading(json& root, Repairs& repairs) {
+  for (std::size_t i = 0; json & node : list_of(root, "nodes")) {
+    const std::string name = label("node", i++, node.value("name", ""));
+    if (!node.contains("matrix")) continue;
+    if (node.erase("translation") + node.erase("rotation") + node.erase("scale") > 0)
+      repairs.add("the matrix counts", name + " has both a matrix and translation, rotation or scale");
+  }
+  const json::json_pointer lights("/extensions/KHR_lights_punctual");
+  if (!root.contains(lights)) return;
+  for (std::size_t i = 0; json & light : list_of(root[lights], "lights")) {
+    const std::string name = label("light", i++, light.value("name", ""));
+    if (light["type"] != "spot" || light.contains("spot")) continue;
+    repairs.add("it has the default cone", name + " is a spot without a cone");
+    light["spot"] = json::object();
+  }
+}
+
+/// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
+Expected<Bytes> bytes_of_buffer(const json& buffer, std::span<const std::byte> bin, SceneFolder& folder) {
+  if (buffer.contains("uri")) return folder.load(buffer["uri"]);
+  if (bin.empty()) return malformed("it has neither a URI nor a GLB's binary chunk");
+  const auto* first = reinterpret_cast<const std::uint8_t*>(bin.data());
+  return Bytes(first, first + std::min<std::uint64_t>(bin.size(), buffer["byteLength"]));
+}
+
+/// Reads the buffers. What one does not have is missed by those who read it.
+Checked add_buffers(const json::array_t& buffers, std::span<const std::byte> bin, SceneFolder& folder,
+                    Document& document) {
+  for (const json& from : buffers) {
+    tinygltf::Buffer& to = document.buffers.emplace_back();
+    to.name = from.value("name", "");
+    if (!to.name.empty() || is_fallback(from)) continue;
+    const std::string name = label("buffer", document.buffers.size() - 1);
+    auto data =
+        bytes_of_buffer(from, document.buffers.size() == 1 ? bin : std::span<const std::byte>(), folder);
+    if (!data && data.error().fault == Fault::Mismatch) return tl::unexpected(data.error());
+    if (!data) {
+      to.name = name + ": " + data.error().what;
+      continue;
+    }
+    const std::uint64_t bytes = from["byteLength"];
+    if (data->size() < bytes)
+      to.name = name + ": its data has " + std::to_string(data->size()) + " bytes, byteLength is " +
+                std::to_string(bytes);
+    to.data = std::move(*data);
+    to.data.resize(std::min<std::uint64_t>(to.data.size(), bytes));
+  }
   return {};
 }
 
-Checked check_view(std::size_t index, const json& view) {
-  const auto stride = view.value("byteStride", std::uint64_t{4});
-  if (stride >= 4 && stride <= 252 && stride % 4 == 0) return {};
-  return malformed(label("buffer view", index) + ": its stride should be a multiple of 4 from 4 to 252");
-}
-
-Checked check_accessor(std::size_t index, const json& accessor) {
-  constexpr std::string_view kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
-  const auto& type = accessor["type"].get_ref<const std::string&>();
-  const auto component = accessor["componentType"].get<int>();
-  if (bytes_of(static_cast<Component>(component)) == 0)
-    return malformed(label("accessor", index) + ": unknown component type " + std::to_string(component));
-  if (std::ranges::find(kTypes, type) != std::end(kTypes)) return {};
-  return malformed(label("accessor", index) + ": unknown type '" + printable(type) + "'");
-}
-
-Checked check_image(std::size_t index, const json& image) {
-  if (image.contains("bufferView") != image.contains("uri")) return {};
-  return malformed(label("image", index) + " should have either a URI or a buffer view");
-}
-
-Checked check_node(std::size_t index, const json& node) {
-  const bool has_parts = node.contains("translation") || node.contains("rotation") || node.contains("scale");
-  if (!node.contains("matrix") || !has_parts) return {};
-  return malformed(label("node", index, node.value("name", "")) +
-                   " has both a matrix and translation, rotation or scale");
-}
-
-Checked check_light(std::size_t index, const json& light) {
-  if (light["type"] != "spot" || light.contains("spot")) return {};
-  return malformed(label("light", index, light.value("name", "")) + " is a spot without a cone");
-}
-
-/// Checks what tinygltf changes or does not keep.
-Checked check_before_reading(json& root) {
-  const json::json_pointer lights("/extensions/KHR_lights_punctual");
-  return check_list(root, "bufferViews", check_view)
-      .and_then([&] { return check_list(root, "accessors", check_accessor); })
-      .and_then([&] { return check_list(root, "images", check_image); })
-      .and_then([&] { return check_list(root, "nodes", check_node); })
-      .and_then([&] {
-        return root.contains(lights) ? check_list(root[lights], "lights", check_light) : Checked{};
-      });
-}
-
-/// Serves the file callbacks of tinygltf, which asks for buffer 3 as "b3" and for image 5 as "i5".
-class FileServer {
- public:
-  /// Takes the descriptions of buffers and images from `root`, and puts stand-ins in their place.
-  FileServer(json& root, std::span<const std::byte> bin, SceneFolder& folder)
-      : buffers_(taken(root, "buffers")),
-        images_(taken(root, "images")),
-        bin_(bin),
-        folder_(folder),
-        unreadable_(images_.size()) {
-    json::array_t buffers, images;
-    for (const json& buffer : buffers_)
-      buffers.push_back({{"uri", "b" + std::to_string(buffers.size())},
-                         {"byteLength", is_fallback(buffer) ? json(1) : buffer["byteLength"]}});
-    for (const json& image : images_)
-      images.push_back({{"uri", "i" + std::to_string(images.size())}, {"name", image.value("name", "")}});
-    root["buffers"] = std::move(buffers);
-    root["images"] = std::move(images);
-  }
-
-  [[nodiscard]] tinygltf::FsCallbacks callbacks() { return callbacks_for<>(this); }
-
-  /// The first buffer or data URI that could not be read.
-  [[nodiscard]] const Checked& verdict() const { return verdict_; }
-
-  /// Puts back what the stand-ins did not say.
-  void complete(Document& document) {
-    for (std::size_t i = 0; i < buffers_.size(); ++i)
-      if (is_fallback(buffers_[i])) document.buffers[i].data.clear();
-    for (std::size_t i = 0; i < images_.size(); ++i)
-      document.images[i].bufferView = images_[i].value("bufferView", -1);
-    document.unreadable = std::move(unreadable_);
-  }
-
- private:
-  /// GetFileSizeInBytes is new in tinygltf 2.9, and compares the size with a limit of its own. SceneFolder
-  /// has limits.
-  template <class Callbacks = tinygltf::FsCallbacks>
-  static Callbacks callbacks_for(FileServer* server) {
-    Callbacks callbacks{};
-    callbacks.FileExists = [](const std::string&, void*) { return true; };
-    callbacks.ExpandFilePath = [](const std::string& name, void*) { return name; };
-    callbacks.ReadWholeFile = [](Bytes* out, std::string*, const std::string& name, void* user) {
-      return static_cast<FileServer*>(user)->read(name, *out);
-    };
-    callbacks.WriteWholeFile = [](std::string*, const std::string&, const Bytes&, void*) { return false; };
-    if constexpr (requires { callbacks.GetFileSizeInBytes; })
-      callbacks.GetFileSizeInBytes = [](std::size_t*, std::string*, const std::string&, void*) {
-        return true;
-      };
-    callbacks.user_data = server;
-    return callbacks;
-  }
-
-  bool read(std::string_view name, Bytes& out) {
-    std::size_t index = 0;
-    std::from_chars(name.data() + 1, name.data() + name.size(), index);
-    Expected<Bytes> bytes = name.starts_with('b') ? buffer(index) : image(index);
-    if (!bytes) return false;
-    out = std::move(*bytes);
-    return true;
-  }
-
-  Expected<Bytes> refused(Error error) {
-    if (verdict_) verdict_ = tl::unexpected(error);
-    return tl::unexpected(std::move(error));
-  }
-
-  /// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
-  Expected<Bytes> buffer(std::size_t index) {
-    const json& from = buffers_[index];
-    const std::string name = label("buffer", index);
-    const std::uint64_t bytes = from["byteLength"];
-    if (is_fallback(from)) return Bytes(1);
+/// Reads the files of images. An image in a buffer view has no bytes of its own.
+Checked add_images(const json::array_t& images, SceneFolder& folder, Document& document) {
+  document.unreadable.resize(images.size());
+  for (const json& from : images) {
+    tinygltf::Image& to = document.images.emplace_back();
+    std::optional<Error>& unreadable = document.unreadable[document.images.size() - 1];
+    to.name = from.value("name", "");
+    to.bufferView = from.value("bufferView", -1);
+    if (to.bufferView >= 0 && from.contains("uri"))
+      document.repairs.add("the buffer view is drawn", label("image", document.images.size() - 1, to.name) +
+                                                           " has both a URI and a buffer view");
+    if (to.bufferView >= 0) continue;
     if (!from.contains("uri")) {
-      if (index > 0 || bin_.empty())
-        return refused({Fault::Malformed, name + " has neither a URI nor a GLB's binary chunk"});
-      if (bytes > bin_.size())
-        return refused({Fault::Malformed, name + ": " + std::to_string(bytes) +
-                                              " bytes are more than the binary chunk has (" +
-                                              std::to_string(bin_.size()) + ")"});
-      const auto* first = reinterpret_cast<const std::uint8_t*>(bin_.data());
-      return Bytes(first, first + bytes);
+      unreadable = Error{Fault::Malformed, "it has neither a URI nor a buffer view"};
+      continue;
     }
-    Expected<Bytes> data = folder_.load(from["uri"]);
-    if (!data) return refused({data.error().fault, name + ": " + data.error().what});
-    if (data->size() != bytes)
-      return refused({Fault::Malformed, name + ": its data has " + std::to_string(data->size()) +
-                                            " bytes, byteLength is " + std::to_string(bytes)});
-    return data;
+    auto file = folder.load(from["uri"]);
+    if (file)
+      to.image = std::move(*file);
+    else if (file.error().fault == Fault::Mismatch)
+      return tl::unexpected(file.error());
+    else
+      unreadable = file.error();
   }
-
-  /// An image in a buffer view has no bytes of its own.
-  Expected<Bytes> image(std::size_t index) {
-    const json& from = images_[index];
-    if (!verdict_ || !from.contains("uri")) return fail(Fault::Missing, "");
-    const std::string uri = from["uri"];
-    Expected<Bytes> file = folder_.load(uri);
-    if (file && file->size() > std::numeric_limits<int>::max())
-      file = fail(Fault::OutOfRange, "external file '" + printable(uri) + "': 2 GiB or more");
-    if (file) return file;
-    if (is_data_uri(uri))
-      return refused(
-          {file.error().fault, label("image", index, from.value("name", "")) + ": " + file.error().what});
-    unreadable_[index] = file.error();
-    return file;
-  }
-
-  json::array_t buffers_, images_;  ///< as the file describes them
-  std::span<const std::byte> bin_;
-  SceneFolder& folder_;
-  std::vector<std::optional<Error>> unreadable_;
-  Checked verdict_;
-};
+  return {};
+}
 
 /// tinygltf refuses indices whose accessor has no buffer view. Takes the indices from all primitives.
 std::vector<int> take_indices(json& root) {
@@ -280,10 +190,23 @@ std::vector<int> take_indices(json& root) {
   return indices;
 }
 
-void put_back(const std::vector<int>& indices, Document& document) {
+/// tinygltf refuses strides that are no multiple of 4. Takes the strides from all buffer views.
+std::vector<std::size_t> take_strides(json& root, Repairs& repairs) {
+  std::vector<std::size_t> strides;
+  for (json& view : list_of(root, "bufferViews")) {
+    const std::size_t stride = strides.emplace_back(view.value("byteStride", std::size_t{0}));
+    if (view.erase("byteStride") > 0 && (stride < 4 || stride > 252 || stride % 4 != 0))
+      repairs.add(kReadAnyway, label("buffer view", strides.size() - 1) +
+                                   ": its stride should be a multiple of 4 from 4 to 252");
+  }
+  return strides;
+}
+
+void put_back(const std::vector<int>& indices, const std::vector<std::size_t>& strides, Document& document) {
   auto next = indices.begin();
   for (Mesh& mesh : document.meshes)
     for (Primitive& primitive : mesh.primitives) primitive.indices = *next++;
+  for (std::size_t i = 0; i < strides.size(); ++i) document.bufferViews[i].byteStride = strides[i];
 }
 
 /// tinygltf 2.7 leaves out channels without a node, and empty objects in lists of extensions (variants
@@ -301,55 +224,51 @@ void add_what_is_required(json& root) {
   }
 }
 
-/// The file stays as it is; it is decoded within limits after everything was validated.
-bool keep_image_file(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-                     const unsigned char* bytes, int size, void*) {
-  image->image.assign(bytes, bytes + size);
-  return true;
-}
-
-/// Reads the members of the table.
-Expected<Document> document_from(json root, FileServer& files) {
+/// Reads the members of the table, without files.
+Expected<Document> document_from(json root, Repairs repairs) {
   const std::vector<int> indices = take_indices(root);
+  const std::vector<std::size_t> strides = take_strides(root, repairs);
   add_what_is_required(root);
   const std::string text = root.dump();
   root = nullptr;  // tinygltf parses a copy
   if (text.size() > std::numeric_limits<unsigned int>::max())
     return fail(Fault::OutOfRange, "the JSON has more text than can be read");
-  tinygltf::TinyGLTF reader;
-  reader.SetFsCallbacks(files.callbacks());
-  reader.SetImageLoader(keep_image_file, nullptr);
   Document document;
   std::string error, warning;
-  const bool is_read = reader.LoadASCIIFromString(&document, &error, &warning, text.data(),
-                                                  static_cast<unsigned int>(text.size()), "");
-  if (!files.verdict()) return tl::unexpected(files.verdict().error());
-  if (!is_read)  // no file is known of which the checks before leave this to tinygltf
+  if (!tinygltf::TinyGLTF().LoadASCIIFromString(&document, &error, &warning, text.data(),
+                                                static_cast<unsigned int>(text.size()), ""))
+    // No file is known of which the checks before leave this to tinygltf.
     return malformed("tinygltf: " +
                      (error.empty() ? "it cannot be read" : printable(error.substr(0, error.find('\n')))));
-  put_back(indices, document);
-  files.complete(document);
+  put_back(indices, strides, document);
+  document.repairs = std::move(repairs);
   return document;
 }
 
 }  // namespace
 
-Expected<Document> read_document(std::string_view text, std::span<const std::byte> bin, SceneFolder& folder) {
-  Expected<json> root = json_from(text);
+Expected<Document> read_document(const Container& container, SceneFolder& folder) {
+  Expected<json> root = json_from(container.json);
   if (!root) return tl::unexpected(root.error());
   if (is_version_1(*root)) return fail(Fault::Unsupported, "glTF version 1.0, only 2.0 is read");
+  Repairs repairs = container.repairs;
+  keep_members(*root, repairs);
   using Names = std::vector<std::string>;
   const Checked checked =
-      check_needs(*root)
-          .and_then([&] { return check_version((*root)["asset"]); })
+      check_version(*root, repairs)
           .and_then([&] { return check_extensions(root->value("extensionsRequired", Names{})); })
-          .and_then([&] { return keep_members(*root); })
-          .and_then([&] { return check_size(*root, text.size()); })
-          .and_then([&] { return check_before_reading(*root); });
+          .and_then([&] { return check_size(*root, container.json.size()); });
   if (!checked) return tl::unexpected(checked.error());
-  FileServer files(*root, bin, folder);
-  Expected<Document> document = document_from(std::move(*root), files);
+  mend_before_reading(*root, repairs);
+  const json::array_t buffers = taken(*root, "buffers"), images = taken(*root, "images");
+  root->erase("buffers");
+  root->erase("images");
+  Expected<Document> document = document_from(std::move(*root), std::move(repairs));
   if (!document) return document;
+  const Checked files = add_buffers(buffers, container.bin, folder, *document).and_then([&] {
+    return add_images(images, folder, *document);
+  });
+  if (!files) return tl::unexpected(files.error());
   document->warnings = warnings_of_extensions(document->extensionsUsed);
   resolve_pointers(*document);
   return document;

@@ -8,16 +8,6 @@
 namespace farshade::gltf {
 namespace {
 
-Checked check_view(const Document& document, std::size_t index, const BufferView& view) {
-  const std::string name = label("buffer view", index);
-  if (!points_into(document.buffers, view.buffer))
-    return malformed(name + ": there is no " + label("buffer", view.buffer));
-  const std::uint64_t size = at(document.buffers, view.buffer).data.size();
-  if (view.byteOffset > size || view.byteLength > size - view.byteOffset)
-    return malformed(name + " reads beyond its buffer (" + std::to_string(size) + " bytes)");
-  return {};
-}
-
 /// True if `count` elements of `bytes` bytes, `stride` bytes apart, from `offset` on, lie in the view. Sizes
 /// are below 2^53, so that sums do not overflow.
 bool lies_in(const BufferView& view, std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
@@ -30,15 +20,13 @@ bool lies_in(const BufferView& view, std::uint64_t offset, std::uint64_t count, 
 Checked check_dense(const Document& document, const std::string& name, const Accessor& accessor) {
   if (accessor.bufferView < 0) return {};
   const std::string view_name = label("buffer view", accessor.bufferView);
-  if (!points_into(document.bufferViews, accessor.bufferView))
-    return malformed(name + ": there is no " + view_name);
+  if (const auto read = bytes_of_view(document, accessor.bufferView); !read)
+    return malformed(name + ": " + read.error().what);
   const BufferView& view = at(document.bufferViews, accessor.bufferView);
   const std::uint64_t bytes = element_bytes(accessor);
   if (view.byteStride != 0 && view.byteStride < bytes)
     return malformed(name + ": the stride of its " + view_name + " (" + std::to_string(view.byteStride) +
                      ") is less than an element (" + std::to_string(bytes) + ")");
-  if ((view.byteOffset + accessor.byteOffset) % bytes_of(component_of(accessor)) != 0)
-    return malformed(name + " is not aligned to its component type");
   if (!lies_in(view, accessor.byteOffset, accessor.count, view.byteStride ? view.byteStride : bytes, bytes))
     return malformed(name + " reads beyond its " + view_name);
   return {};
@@ -54,9 +42,9 @@ Checked check_sparse(const Document& document, const std::string& name, const Ac
                      std::to_string(accessor.count));
   if (component != Component::UInt8 && component != Component::UInt16 && component != Component::UInt32)
     return malformed(name + ": sparse indices should be unsigned integers");
-  if (!points_into(document.bufferViews, sparse.indices.bufferView) ||
-      !points_into(document.bufferViews, sparse.values.bufferView))
-    return malformed(name + ": its sparse part names a buffer view that is not there");
+  for (const int view : {sparse.indices.bufferView, sparse.values.bufferView})
+    if (const auto read = bytes_of_view(document, view); !read)
+      return malformed(name + ": its sparse part: " + read.error().what);
   const auto fits = [&](const auto& part, std::uint64_t bytes) {
     const auto offset = static_cast<std::uint64_t>(part.byteOffset);
     return lies_in(at(document.bufferViews, part.bufferView), offset, count, bytes, bytes);
@@ -108,27 +96,32 @@ std::uint64_t element_budget(const Document& document) {
   return std::min((std::uint64_t{1} << 22) + 8 * bytes, std::uint64_t{1} << 30);
 }
 
-Checked validate_accessors(const Document& document) {
-  auto views = check_each(document.bufferViews, [&](std::size_t i, const BufferView& view) {
-    return check_view(document, i, view);
-  });
-  if (!views) return views;
+void validate_accessors(Document& document) {
   std::uint64_t left = element_budget(document);
-  return check_each(document.accessors, [&](std::size_t i, const Accessor& accessor) -> Checked {
+  for (std::size_t i = 0; i < document.accessors.size(); ++i) {
+    Accessor& accessor = document.accessors[i];
     const std::string name = label("accessor", i);
-    if (accessor.count > left)
-      return fail(Fault::OutOfRange, name + ": " + std::to_string(accessor.count) +
-                                         " elements are more than a file of this size should have");
-    left -= accessor.count;
-    return check_dense(document, name, accessor)
-        .and_then([&] { return check_sparse(document, name, accessor); })
-        .and_then([&] { return check_finite(document, name, accessor); });
-  });
+    if (!accessor.name.empty()) continue;
+    Checked checked = check_dense(document, name, accessor);
+    if (checked && accessor.count > left)
+      checked = malformed(name + ": " + std::to_string(accessor.count) +
+                          " elements are more than a file of this size should have");
+    if (checked) left -= accessor.count;
+    checked = checked.and_then([&] { return check_sparse(document, name, accessor); }).and_then([&] {
+      return check_finite(document, name, accessor);
+    });
+    if (!checked) accessor.name = checked.error().what;
+    if (checked && accessor.bufferView >= 0 &&
+        (at(document.bufferViews, accessor.bufferView).byteOffset + accessor.byteOffset) %
+                bytes_of(component_of(accessor)) !=
+            0)
+      document.repairs.add(kReadAnyway, name + " is not aligned to its component type");
+  }
 }
 
-Checked validate(const Document& document, const SceneLimits& limits) {
-  return validate_materials(document)
-      .and_then([&] { return validate_meshes(document); })
+Checked validate(Document& document, const SceneLimits& limits) {
+  validate_lights(document);
+  return validate_meshes(document)
       .and_then([&] { return validate_nodes(document, limits); })
       .and_then([&] { return validate_deformations(document); })
       .and_then([&] { return validate_animations(document); })

@@ -1,6 +1,7 @@
-/// Checks a Document, so that the conversion needs no checks. Afterwards every index is in range, every
-/// accessor lies inside its buffer (64-bit arithmetic), every number is finite, the nodes form a forest of
-/// bounded depth with invertible transforms, and the keys of animations can be interpolated.
+/// Mends a Document, so that the conversion needs no checks: what is wrong is left out, with a note in
+/// Document::repairs. Afterwards every index that is left is in range, every accessor that is named lies
+/// inside its buffer (64-bit arithmetic), every number is finite, the nodes form a forest of bounded depth,
+/// and the keys of animations can be interpolated. Refuses files that exceed a limit, and nodes in a cycle.
 #pragma once
 
 #include <set>
@@ -10,25 +11,24 @@
 
 namespace farshade::gltf {
 
-/// Returns the first fault, with the name of the object: "mesh 3 'chair', primitive 0: POSITION accessor 17
-/// ...". validate_accessors must have found no fault.
-[[nodiscard]] Checked validate(const Document& document, const SceneLimits& limits);
+/// A refusal names the object: "mesh 3 'chair', primitive 0: more vertices than ...". validate_accessors must
+/// have been called.
+[[nodiscard]] Checked validate(Document& document, const SceneLimits& limits);
 
 /// Checks buffer views and accessors: ranges, sparse elements, finite floats, and a limit on the number of
-/// elements (element_budget).
-[[nodiscard]] Checked validate_accessors(const Document& document);
+/// elements (element_budget). The name of an accessor that cannot be read says why.
+void validate_accessors(Document& document);
 
 // The parts of validate(), in order: each part relies on the parts before it.
 
-/// Checks meshes with their attributes and vertex indices.
-[[nodiscard]] Checked validate_meshes(const Document& document);
-/// Checks images, textures, materials and lights.
-[[nodiscard]] Checked validate_materials(const Document& document);
-/// Checks nodes, scenes and animations.
-[[nodiscard]] Checked validate_nodes(const Document& document, const SceneLimits& limits);
-/// Checks skins, and the meshes that nodes deform.
-[[nodiscard]] Checked validate_deformations(const Document& document);
-[[nodiscard]] Checked validate_animations(const Document& document);
+void validate_lights(Document& document);
+/// Meshes with their attributes and vertex indices. A primitive that cannot be drawn becomes an empty one.
+[[nodiscard]] Checked validate_meshes(Document& document);
+/// Nodes and scenes.
+[[nodiscard]] Checked validate_nodes(Document& document, const SceneLimits& limits);
+/// Skins, and the meshes that nodes deform.
+[[nodiscard]] Checked validate_deformations(Document& document);
+[[nodiscard]] Checked validate_animations(Document& document);
 /// Refuses node hierarchies whose transforms, animated or not, reach further than double can represent well.
 [[nodiscard]] Checked validate_reach(const Document& document);
 
@@ -45,7 +45,7 @@ namespace farshade::gltf {
 
 /// Calls `check_item(index, item)` for each item of `list`, up to the first fault.
 template <class List, class Check>
-[[nodiscard]] Checked check_each(const List& list, Check check_item) {
+[[nodiscard]] Checked check_each(List& list, Check check_item) {
   for (std::size_t i = 0; i < list.size(); ++i)
     if (Checked checked = check_item(i, list[i]); !checked) return checked;
   return {};

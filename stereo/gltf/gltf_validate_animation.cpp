@@ -19,16 +19,16 @@ std::size_t parts_of(const AnimationSampler& sampler) {
 }
 
 Checked check_keys(const Document& document, const std::string& name, int index) {
+  const auto accessor = accessor_at(document, name + ": key", index);
+  if (!accessor) return tl::unexpected(accessor.error());
   const std::string subject = name + ": key " + label("accessor", index);
-  if (!points_into(document.accessors, index)) return malformed(subject + " is not there");
-  const Accessor& accessor = at(document.accessors, index);
-  if (component_of(accessor) != Component::Float || !has_shape(accessor, 1))
+  if (component_of(**accessor) != Component::Float || !has_shape(**accessor, 1))
     return malformed(subject + " should hold float scalars");
   const auto keys = read_scalars(document, static_cast<std::uint32_t>(index));
   if (std::adjacent_find(keys.begin(), keys.end(), std::greater_equal<>()) != keys.end())
     return malformed(subject + ": its times should grow");
   if (keys.front() < 0.0f || keys.back() > kMaxTime_s)
-    return fail(Fault::OutOfRange, subject + ": its times should lie within 0 and 1e6 s");
+    return malformed(subject + ": its times should lie within 0 and 1e6 s");
   return {};
 }
 
@@ -41,10 +41,12 @@ struct Values {
   bool integers = false;
 };
 
-Checked check_output(const Document& document, const std::string& subject, const AnimationSampler& sampler,
+Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
                      const Values& expected) {
-  if (!points_into(document.accessors, sampler.output)) return malformed(subject + " is not there");
-  const Accessor& accessor = at(document.accessors, sampler.output);
+  const auto found = accessor_at(document, name + ": value", sampler.output);
+  if (!found) return tl::unexpected(found.error());
+  const Accessor& accessor = **found;
+  const std::string subject = name + ": value " + label("accessor", sampler.output);
   const Component component = component_of(accessor);
   const bool fits = component == Component::Float ||
                     (expected.integers && accessor.normalized && component != Component::UInt32);
@@ -71,7 +73,7 @@ Checked check_values(const Document& document, const std::string& name, const An
                      bool is_rotation) {
   const std::string subject = name + ": value " + label("accessor", sampler.output);
   const Values expected{.of = "its path", .rows = is_rotation ? 4u : 3u, .integers = is_rotation};
-  return check_output(document, subject, sampler, expected).and_then([&] {
+  return check_output(document, name, sampler, expected).and_then([&] {
     return is_rotation ? check_each_value(document, subject, sampler, " is not a unit quaternion",
                                           [](const glm::vec4& value) {
                                             return std::abs(glm::length(value) - 1.0f) <= 0.05f;
@@ -84,9 +86,9 @@ Checked check_values(const Document& document, const std::string& name, const An
 Checked check_weights(const Document& document, const std::string& name, const AnimationSampler& sampler,
                       const Node& node) {
   const std::uint64_t targets = node.mesh < 0 ? 0 : targets_of(at(document.meshes, node.mesh));
-  if (targets == 0) return {};  // nothing of it is read
-  return check_output(document, name + ": value " + label("accessor", sampler.output), sampler,
-                      {.of = "weights", .values_a_key = targets, .integers = true});
+  if (targets == 0)  // nothing of it is read
+    return accessor_at(document, name + ": value", sampler.output).map([](const Accessor*) {});
+  return check_output(document, name, sampler, {.of = "weights", .values_a_key = targets, .integers = true});
 }
 
 /// Booleans, as KHR_animation_pointer asks for them.
@@ -115,7 +117,7 @@ Checked check_light_values(const Document& document, const std::string& name, co
   const std::string subject = name + ": value " + label("accessor", sampler.output),
                     owner = property + " of a light";
   const Values expected{.of = owner, .rows = property == "color" ? 3u : 1u, .integers = true};
-  return check_output(document, subject, sampler, expected).and_then([&] {
+  return check_output(document, name, sampler, expected).and_then([&] {
     return check_each_value(document, subject, sampler, " is a value that " + owner + " cannot have",
                             [&](const glm::vec4& value) { return may_be(property, value); });
   });
@@ -172,34 +174,50 @@ std::pair<std::uint32_t, std::string> target_of(const LightChannel& channel) {
   return {channel.light, channel.property};
 }
 
-/// Checks channels to nodes or to lights. `left`: the elements that all channels together may still read.
+/// The elements that a channel reads.
+std::uint64_t elements_of(const Document& document, const Animation& animation, int sampler) {
+  if (sampler < 0 || !points_into(animation.samplers, sampler)) return 0;
+  std::uint64_t sum = 0;
+  for (const int accessor : {at(animation.samplers, sampler).input, at(animation.samplers, sampler).output})
+    if (accessor >= 0 && points_into(document.accessors, accessor))
+      sum += at(document.accessors, accessor).count;
+  return sum;
+}
+
+/// Removes the channels, to nodes or to lights, that have faults. `left`: the elements that all channels
+/// together may still read.
 template <class Channel>
-Checked check_channels(const Document& document, const std::string& name, const Animation& animation,
-                       const std::vector<Channel>& channels, std::uint64_t& left) {
+Checked keep_channels(Document& document, const std::string& name, const Animation& animation,
+                      std::vector<Channel>& channels, std::uint64_t& left) {
   std::set<std::pair<std::uint32_t, std::string>> targets;
-  return check_each(channels, [&](std::size_t c, const Channel& channel) -> Checked {
+  std::vector<Channel> kept;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const Channel& channel = channels[c];
     const std::string of = name + label("channel", c);
-    if (auto checked = check_channel(document, of, animation, channel); !checked) return checked;
-    if (!targets.emplace(target_of(channel)).second)
-      return malformed(of + ": an earlier channel moves the same property");
-    const AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(channel.sampler)];
-    const auto elements =
-        at(document.accessors, sampler.input).count + at(document.accessors, sampler.output).count;
+    const std::uint64_t elements = elements_of(document, animation, static_cast<int>(channel.sampler));
     if (elements > left)
       return fail(Fault::OutOfRange, of + ": more keys than a file of this size should have");
     left -= elements;
-    return {};
-  });
+    Checked checked = check_channel(document, of, animation, channel);
+    if (checked && !targets.emplace(target_of(channel)).second)
+      checked = malformed(of + ": an earlier channel moves the same property");
+    if (checked)
+      kept.push_back(channel);
+    else
+      document.repairs.add("it stands still", checked.error());
+  }
+  channels = std::move(kept);
+  return {};
 }
 
 }  // namespace
 
-Checked validate_animations(const Document& document) {
+Checked validate_animations(Document& document) {
   std::uint64_t left = element_budget(document);
-  return check_each(document.animations, [&](std::size_t a, const Animation& animation) {
+  return check_each(document.animations, [&](std::size_t a, Animation& animation) {
     const std::string name = label("animation", a, animation.name) + ", ";
-    return check_channels(document, name, animation, animation.channels, left).and_then([&] {
-      return check_channels(document, name + "light ", animation, document.light_channels[a], left);
+    return keep_channels(document, name, animation, animation.channels, left).and_then([&] {
+      return keep_channels(document, name + "light ", animation, document.light_channels[a], left);
     });
   });
 }

@@ -1,10 +1,9 @@
-/// Validation of meshes with their attributes and indices, of skins and morph targets, of materials,
-/// textures, images and lights.
+/// Validation of meshes with their attributes and indices, of skins and morph targets, and of lights.
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "stereo/gltf/gltf_accessor.h"
-#include "stereo/gltf/gltf_lights.h"
 #include "stereo/gltf/gltf_materials.h"
 #include "stereo/gltf/gltf_validate.h"
 
@@ -37,9 +36,11 @@ Checked check_attribute(const Document& document, const std::string& name,
                         std::uint64_t vertices) {
   const Index index = attribute(attributes, expected.semantic);
   if (!index) return {};
-  const std::string subject = name + ": " + printable(expected.semantic) + " " + label("accessor", *index);
-  if (*index >= document.accessors.size()) return malformed(subject + " is not there");
-  const Accessor& accessor = document.accessors[*index];
+  const std::string user = name + ": " + printable(expected.semantic);
+  const auto found = accessor_at(document, user, static_cast<int>(*index));
+  if (!found) return tl::unexpected(found.error());
+  const Accessor& accessor = **found;
+  const std::string subject = user + " " + label("accessor", *index);
   const Shape shape = shape_of(accessor);
   if (shape.columns != 1 || shape.rows < expected.least_rows || shape.rows > expected.most_rows ||
       !is_allowed(accessor, expected.integers))
@@ -57,26 +58,21 @@ Checked check_positions(const Document& document, const std::string& name, std::
   };
   const auto far = std::find_if(positions.begin(), positions.end(), is_far);
   if (far == positions.end()) return {};
-  return fail(Fault::OutOfRange, name + ": POSITION " + label("accessor", index) + ": vertex " +
-                                     std::to_string(far - positions.begin()) + " lies beyond 1e9");
+  return malformed(name + ": POSITION " + label("accessor", index) + ": vertex " +
+                   std::to_string(far - positions.begin()) + " lies beyond 1e9");
 }
 
-Checked check_index_count(const std::string& name, int mode, std::uint64_t count) {
-  const bool whole = mode == TINYGLTF_MODE_TRIANGLES ? count % 3 == 0 : count >= 3;
-  if (whole) return {};
-  return malformed(name + ": " + std::to_string(count) + " vertices do not make whole triangles");
-}
-
-Checked check_indices(const Document& document, const std::string& name, std::uint32_t index,
+Checked check_indices(const Document& document, const std::string& name, const Primitive& primitive,
                       std::uint64_t vertices) {
-  const std::string subject = name + ": index " + label("accessor", index);
-  if (index >= document.accessors.size()) return malformed(subject + " is not there");
-  const Accessor& accessor = document.accessors[index];
-  const Component c = component_of(accessor);
+  if (primitive.indices < 0) return {};
+  const auto found = accessor_at(document, name + ": index", primitive.indices);
+  if (!found) return tl::unexpected(found.error());
+  const std::string subject = name + ": index " + label("accessor", primitive.indices);
+  const Component c = component_of(**found);
   const bool is_unsigned = c == Component::UInt8 || c == Component::UInt16 || c == Component::UInt32;
-  if (!is_unsigned || !has_shape(accessor, 1) || accessor.normalized)
+  if (!is_unsigned || !has_shape(**found, 1) || (*found)->normalized)
     return malformed(subject + " should hold unsigned integers");
-  const auto indices = read_indices(document, index);
+  const auto indices = read_indices(document, static_cast<std::uint32_t>(primitive.indices));
   const auto worst = std::max_element(indices.begin(), indices.end());
   if (*worst >= vertices)
     return malformed(subject + ": index " + std::to_string(*worst) + " is beyond the " +
@@ -90,76 +86,97 @@ std::string texcoord_semantic(const Document& document, const Primitive& primiti
   return texture ? "TEXCOORD_" + std::to_string(texture->texcoord) : "";
 }
 
-Checked check_primitive(const Document& document, const std::string& name, const Primitive& primitive,
-                        std::uint64_t& left) {
-  if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
-    return malformed(name + ": unknown mode " + std::to_string(primitive.mode));
-  if (!points_into(document.materials, primitive.material))
-    return malformed(name + ": there is no " + label("material", primitive.material));
-  const Index position = attribute(primitive, "POSITION"), index = index_of(primitive.indices);
-  if (!position || !draws_triangles(primitive)) return {};
-  if (*position >= document.accessors.size())
-    return malformed(name + ": POSITION " + label("accessor", *position) + " is not there");
-  const std::uint64_t vertices = document.accessors[*position].count;
-  const std::uint64_t indices =
-      index && *index < document.accessors.size() ? document.accessors[*index].count : vertices;
+/// What no triangle can do without: vertices and indices.
+Checked check_shape(Document& document, const std::string& name, const Primitive& primitive,
+                    std::uint64_t& left) {
+  const auto found = accessor_at(document, name + ": POSITION", primitive.attributes.at("POSITION"));
+  if (!found) return tl::unexpected(found.error());
+  const std::uint64_t vertices = (*found)->count;
+  const std::uint64_t indices = primitive.indices >= 0 && points_into(document.accessors, primitive.indices)
+                                    ? at(document.accessors, primitive.indices).count
+                                    : vertices;
   if (vertices + indices > left)
     return fail(Fault::OutOfRange, name + ": more vertices than a file of this size should have");
   left -= vertices + indices;
-  const Attribute attributes[] = {{"POSITION", 3, 3, Integers::Any},
-                                  {"NORMAL", 3, 3, Integers::NormalizedSigned},
-                                  {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
-                                  {texcoord_semantic(document, primitive), 2, 2, Integers::Any}};
-  for (const Attribute& expected : attributes)
-    if (auto checked = check_attribute(document, name, primitive.attributes, expected, vertices); !checked)
-      return checked;
-  return check_positions(document, name, *position)
-      .and_then([&] { return index ? check_indices(document, name, *index, vertices) : Checked{}; })
-      .and_then([&] { return check_index_count(name, primitive.mode, indices); });
+  const auto position = static_cast<std::uint32_t>(primitive.attributes.at("POSITION"));
+  const Checked checked =
+      check_attribute(document, name, primitive.attributes, {"POSITION", 3, 3, Integers::Any}, vertices)
+          .and_then([&] { return check_positions(document, name, position); })
+          .and_then([&] { return check_indices(document, name, primitive, vertices); });
+  const std::string few = name + ": " + std::to_string(indices) + " vertices do not make whole triangles";
+  if (checked && indices < 3) return malformed(few);
+  if (checked && primitive.mode == TINYGLTF_MODE_TRIANGLES && indices % 3 != 0)
+    document.repairs.add("the last ones are not drawn", few);
+  return checked;
 }
 
-/// Morph targets, and the joints and weights of a skin.
-Checked check_deforming(const Document& document, const std::string& name, const Primitive& primitive) {
-  const Index position = attribute(primitive, "POSITION");
-  if (!position || !draws_triangles(primitive)) return {};
-  const std::uint64_t vertices = document.accessors[*position].count;
-  for (const auto& target : primitive.targets)
-    for (const char* semantic : {"POSITION", "NORMAL"})
-      if (auto checked = check_attribute(document, name + ", morph target", target,
-                                         {semantic, 3, 3, Integers::Any}, vertices);
-          !checked)
-        return checked;
-  return check_attribute(document, name, primitive.attributes,
-                         {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned}, vertices)
-      .and_then([&]() -> Checked {
-        const Index joints = attribute(primitive, "JOINTS_0");
-        if (!joints) return {};
-        const std::string subject = name + ": JOINTS_0 " + label("accessor", *joints);
-        if (*joints >= document.accessors.size()) return malformed(subject + " is not there");
-        const Accessor& accessor = document.accessors[*joints];
-        const Component component = component_of(accessor);
-        const bool whole = component == Component::UInt8 || component == Component::UInt16;
-        if (!whole || accessor.normalized || !has_shape(accessor, 4) || accessor.count != vertices)
-          return malformed(subject + " should have four unsigned integers for each vertex");
-        return {};
-      });
+/// Removes the attributes, of a primitive or of a morph target, that do not fit what is expected of them.
+void keep_attributes(Document& document, const std::string& name, std::span<const Attribute> expected,
+                     std::uint64_t vertices, std::map<std::string, int>& attributes) {
+  for (const Attribute& one : expected) {
+    const Checked checked = check_attribute(document, name, attributes, one, vertices);
+    if (checked) continue;
+    document.repairs.add("it is drawn without this attribute", checked.error());
+    attributes.erase(one.semantic);
+  }
+}
+
+/// JOINTS_0 holds whole numbers.
+void keep_joints(Document& document, const std::string& name, std::uint64_t vertices, Primitive& primitive) {
+  const Attribute expected[] = {{"JOINTS_0", 4, 4, Integers::Any}};
+  keep_attributes(document, name, expected, vertices, primitive.attributes);
+  const Index joints = attribute(primitive, "JOINTS_0");
+  if (!joints) return;
+  const Accessor& accessor = document.accessors[*joints];
+  const Component component = component_of(accessor);
+  if ((component == Component::UInt8 || component == Component::UInt16) && !accessor.normalized) return;
+  document.repairs.add("it is drawn without this attribute",
+                       name + ": JOINTS_0 " + label("accessor", *joints) +
+                           " should have four unsigned integers for each vertex");
+  primitive.attributes.erase("JOINTS_0");
+}
+
+Checked check_primitive(Document& document, const std::string& name, Primitive& primitive,
+                        std::uint64_t& left) {
+  if (!points_into(document.materials, primitive.material)) {
+    document.repairs.add("it has the default material",
+                         name + ": there is no " + label("material", primitive.material));
+    primitive.material = -1;
+  }
+  Checked shape = primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN
+                      ? Checked(malformed(name + ": unknown mode " + std::to_string(primitive.mode)))
+                      : Checked{};
+  if (shape && (!attribute(primitive, "POSITION") || !draws_triangles(primitive))) return {};
+  shape = shape.and_then([&] { return check_shape(document, name, primitive, left); });
+  if (!shape) return mended(std::move(shape), document.repairs, kNotDrawn, [&] { primitive = {}; });
+  const std::uint64_t vertices = at(document.accessors, primitive.attributes.at("POSITION")).count;
+  const Attribute attributes[] = {{"NORMAL", 3, 3, Integers::NormalizedSigned},
+                                  {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
+                                  {texcoord_semantic(document, primitive), 2, 2, Integers::Any},
+                                  {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned}};
+  keep_attributes(document, name, attributes, vertices, primitive.attributes);
+  keep_joints(document, name, vertices, primitive);
+  const Attribute moved[] = {{"POSITION", 3, 3, Integers::Any}, {"NORMAL", 3, 3, Integers::Any}};
+  for (auto& target : primitive.targets)
+    keep_attributes(document, name + ", morph target", moved, vertices, target);
+  return {};
 }
 
 /// `left`: the numbers that all skins together may still have.
 Checked check_skin(const Document& document, std::size_t index, const Skin& skin, std::uint64_t& left) {
   const std::string name = label("skin", index, skin.name);
-  if (skin.joints.empty()) return malformed(name + " has no joints");
   for (const int joint : skin.joints)
     if (!points_into(document.nodes, joint)) return malformed(name + ": there is no " + label("node", joint));
   std::uint64_t matrices = skin.joints.size();
   const Index inverse_bind = index_of(skin.inverseBindMatrices);
   if (inverse_bind) {
-    const std::string subject = name + ": inverse bind matrices, " + label("accessor", *inverse_bind);
-    if (*inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
-    const Accessor& accessor = document.accessors[*inverse_bind];
+    const auto found = accessor_at(document, name + ": inverse bind", skin.inverseBindMatrices);
+    if (!found) return tl::unexpected(found.error());
+    const Accessor& accessor = **found;
     if (component_of(accessor) != Component::Float || !has_shape(accessor, 4, 4) ||
         accessor.count < skin.joints.size())
-      return malformed(subject + " should have a matrix of floats for each joint");
+      return malformed(name + ": inverse bind " + label("accessor", *inverse_bind) +
+                       " should have a matrix of floats for each joint");
     matrices += accessor.count;
   }
   if (16 * matrices > left)
@@ -171,7 +188,7 @@ Checked check_skin(const Document& document, std::size_t index, const Skin& skin
   };
   for (const glm::mat4& m : read_matrices(document, *inverse_bind))
     if (!is_near(m[0]) || !is_near(m[1]) || !is_near(m[2]) || !is_near(m[3]))
-      return fail(Fault::OutOfRange, name + ": an inverse bind matrix has numbers beyond 1e9");
+      return malformed(name + ": an inverse bind matrix has numbers beyond 1e9");
   return {};
 }
 
@@ -206,11 +223,13 @@ Checked check_joints(const Document& document, const std::string& name, const No
   return {};
 }
 
+constexpr const char* kUnskinned = "meshes are drawn without it";
+
 /// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
-Checked check_mesh_nodes(const Document& document) {
+Checked check_mesh_nodes(Document& document) {
   std::uint64_t left = element_budget(document);
   const std::set<int> tracks = nodes_with_moving(document, "weights");
-  return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
+  return check_each(document.nodes, [&](std::size_t index, Node& node) -> Checked {
     if (node.mesh < 0) return {};
     const std::string name = label("node", index, node.name);
     const std::uint64_t cost = cost_of(document, node, tracks.contains(static_cast<int>(index)));
@@ -218,94 +237,63 @@ Checked check_mesh_nodes(const Document& document) {
       return fail(Fault::OutOfRange,
                   name + ": its mesh is shown or deformed more often than in a file of this size should be");
     left -= cost;
-    return check_joints(document, name, node);
+    return mended(check_joints(document, name, node), document.repairs, kUnskinned, [&] { node.skin = -1; });
   });
 }
 
-Checked check_image(const Document& document, std::size_t index, const tinygltf::Image& image) {
-  if (points_into(document.bufferViews, image.bufferView)) return {};
-  return malformed(label("image", index, image.name) + ": there is no " +
-                   label("buffer view", image.bufferView));
+bool is_kind(const std::string& type) {
+  return type == "point" || type == "spot" || type == "directional";
 }
 
-bool is_wrap(int wrap) {
-  return wrap == TINYGLTF_TEXTURE_WRAP_REPEAT || wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ||
-         wrap == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-}
-
-Checked check_texture(const Document& document, std::size_t index, const tinygltf::Texture& texture) {
-  const std::string name = label("texture", index, texture.name);
-  if (const Index image = image_of(texture); image && *image >= document.images.size())
-    return malformed(name + ": there is no " + label("image", *image));
-  if (!points_into(document.samplers, texture.sampler))
-    return malformed(name + ": there is no " + label("sampler", texture.sampler));
-  if (texture.sampler < 0) return {};
-  const tinygltf::Sampler& sampler = at(document.samplers, texture.sampler);
-  if (!is_wrap(sampler.wrapS) || !is_wrap(sampler.wrapT))
-    return malformed(label("sampler", texture.sampler) + ": unknown wrap mode");
-  return {};
-}
-
-Checked check_material(const Document& document, std::size_t index, const Material& material) {
-  const std::string name = label("material", index, material.name);
-  if (const auto use = texture_of(material); use && use->texture >= document.textures.size())
-    return malformed(name + ": there is no " + label("texture", use->texture));
-  const glm::dvec4 color = base_color_of(material);
-  if (std::min({color.x, color.y, color.z, color.w}) < 0 ||
-      std::max({color.x, color.y, color.z, color.w}) > 1)
-    return malformed(name + ": the base colour factor is outside of 0 to 1");
-  if (material.alphaMode != "OPAQUE" && material.alphaMode != "MASK" && material.alphaMode != "BLEND")
-    return malformed(name + ": unknown alpha mode '" + printable(material.alphaMode) + "'");
-  return {};
-}
-
-Checked check_light(std::size_t index, const Light& light) {
+/// Brings the values of a light into their limits. A light of no kind gets an empty type.
+void mend_light(std::size_t index, Light& light, Repairs& repairs) {
+  constexpr double kWidest_rad = std::numbers::pi / 2;
   const std::string name = label("light", index, light.name);
-  if (light.type != "point" && light.type != "spot" && light.type != "directional")
-    return malformed(name + ": unknown type '" + printable(light.type) + "'");
-  const LightValues values = values_of(light);
-  if (std::min({values.color.x, values.color.y, values.color.z}) < 0.0)
-    return malformed(name + ": its colour is negative");
-  if (light.type == "spot" && !(values.inner_cone_rad < values.outer_cone_rad &&
-                                values.outer_cone_rad <= std::numbers::pi / 2 + 1e-6))
-    return malformed(name + ": the cone should be 0 <= inner < outer <= pi/2");
-  return {};
+  if (!is_kind(light.type)) {
+    if (!light.type.empty())
+      repairs.add("it is left out", name + ": unknown type '" + printable(light.type) + "'");
+    light.type.clear();
+    return;
+  }
+  const bool is_negative = std::ranges::any_of(light.color, [](double c) { return c < 0; });
+  if (is_negative) repairs.add("negative parts become 0", name + ": its colour is negative");
+  for (double& c : light.color) c = std::max(c, 0.0);
+  double &inner = light.spot.innerConeAngle, &outer = light.spot.outerConeAngle;
+  if (light.type != "spot" || (inner < outer && outer <= kWidest_rad + 1e-6)) return;
+  repairs.add("it is cut off", name + ": the cone should be 0 <= inner < outer <= pi/2");
+  outer = outer > 0 ? std::min(outer, kWidest_rad) : tinygltf::SpotLight().outerConeAngle;
+  inner = std::min(inner, 0.999 * outer);
 }
 
 }  // namespace
 
-Checked validate_meshes(const Document& document) {
+void validate_lights(Document& document) {
+  for (std::size_t i = 0; i < document.lights.size(); ++i)
+    mend_light(i, document.lights[i], document.repairs);
+}
+
+Checked validate_meshes(Document& document) {
   std::uint64_t left = element_budget(document);
-  return check_each(document.meshes, [&](std::size_t m, const Mesh& mesh) {
-    return check_each(mesh.primitives, [&](std::size_t p, const Primitive& primitive) {
+  return check_each(document.meshes, [&](std::size_t m, Mesh& mesh) {
+    return check_each(mesh.primitives, [&](std::size_t p, Primitive& primitive) {
       const std::string name = label("mesh", m, mesh.name) + ", " + label("primitive", p);
-      return check_primitive(document, name, primitive, left).and_then([&] {
-        return check_deforming(document, name, primitive);
-      });
+      return check_primitive(document, name, primitive, left);
     });
   });
 }
 
-Checked validate_deformations(const Document& document) {
+Checked validate_deformations(Document& document) {
   std::uint64_t left = element_budget(document);
   return check_each(document.skins,
-                    [&](std::size_t i, const Skin& skin) { return check_skin(document, i, skin, left); })
-      .and_then([&] { return check_mesh_nodes(document); });
-}
-
-Checked validate_materials(const Document& document) {
-  return check_each(document.images,
-                    [&](auto i, const auto& image) { return check_image(document, i, image); })
+                    [&](std::size_t i, Skin& skin) {
+                      return mended(check_skin(document, i, skin, left), document.repairs, kUnskinned,
+                                    [&] { skin.joints.clear(); });
+                    })
       .and_then([&] {
-        return check_each(document.textures,
-                          [&](auto i, const auto& texture) { return check_texture(document, i, texture); });
-      })
-      .and_then([&] {
-        return check_each(document.materials, [&](auto i, const auto& material) {
-          return check_material(document, i, material);
-        });
-      })
-      .and_then([&] { return check_each(document.lights, check_light); });
+        for (Node& node : document.nodes)
+          if (node.skin >= 0 && at(document.skins, node.skin).joints.empty()) node.skin = -1;
+        return check_mesh_nodes(document);
+      });
 }
 
 }  // namespace farshade::gltf

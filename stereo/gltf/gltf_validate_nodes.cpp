@@ -16,55 +16,72 @@ std::string node_label(const Document& document, std::size_t index) {
   return label("node", index, document.nodes[index].name);
 }
 
-Checked check_matrix(const std::string& name, const glm::dmat4& m) {
-  if (glm::dvec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::dvec4(0, 0, 0, 1))
-    return malformed(name + ": the last row of its matrix is not 0 0 0 1");
+/// Whether a matrix has no volume, so that it cannot be inverted.
+bool is_flat(const glm::dmat4& m) {
   const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
   const double lengths = glm::length(x) * glm::length(y) * glm::length(z);
   const double volume = std::abs(glm::dot(x, glm::cross(y, z)));
-  if (!(lengths > 0.0) || !(volume > kLeastRelativeVolume * lengths))
-    return malformed(name + ": its matrix cannot be inverted");
-  return {};
+  return !(lengths > 0.0) || !(volume > kLeastRelativeVolume * lengths);
 }
 
-Checked check_transform(const Document& document, std::size_t index, const Node& node, bool scale_moves) {
-  const std::string name = node_label(document, index);
-  if (const auto matrix = matrix_of(node)) return check_matrix(name, *matrix);
-  if (std::abs(glm::length(rotation_of(node)) - 1.0) > 0.01)
-    return malformed(name + ": its rotation is not a unit quaternion");
-  const glm::dvec3 scale = scale_of(node);
-  if ((scale.x == 0 || scale.y == 0 || scale.z == 0) && !scale_moves)
-    return malformed(name + ": its scale is 0 and cannot be inverted");
-  return {};
+/// A matrix without volume becomes a scale of 0.
+void mend_transform(const std::string& name, Node& node, Repairs& repairs) {
+  if (const auto matrix = matrix_of(node)) {
+    const glm::dmat4& m = *matrix;
+    if (glm::dvec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::dvec4(0, 0, 0, 1))
+      repairs.add("it counts as that", name + ": the last row of its matrix is not 0 0 0 1");
+    for (const int i : {3, 7, 11, 15}) at(node.matrix, i) = i == 15;
+    if (!is_flat(m)) return;
+    node.translation = {m[3].x, m[3].y, m[3].z};
+    node.scale = {0, 0, 0};
+    node.matrix.clear();
+  }
+  const double length = glm::length(rotation_of(node));
+  if (std::abs(length - 1.0) <= 0.01) return;
+  repairs.add("it is made one", name + ": its rotation is not a unit quaternion");
+  if (length > 1e-6)
+    for (double& part : node.rotation) part /= length;
+  else
+    node.rotation.clear();
 }
 
-Checked check_references(const Document& document, std::size_t index, const Node& node) {
-  const std::string name = node_label(document, index);
-  if (!points_into(document.meshes, node.mesh))
-    return malformed(name + ": there is no " + label("mesh", node.mesh));
-  if (const Index light = light_of(node); light && *light >= document.lights.size())
-    return malformed(name + ": there is no " + label("light", *light));
-  if (!points_into(document.cameras, node.camera))
-    return malformed(name + ": there is no " + label("camera", node.camera));
-  if (!points_into(document.skins, node.skin))
-    return malformed(name + ": there is no " + label("skin", node.skin));
-  return {};
+/// Removes an index that points to nothing.
+template <class List>
+void keep_reference(const std::string& name, const char* kind, const List& list, int& index,
+                    Repairs& repairs) {
+  if (points_into(list, index)) return;
+  repairs.add("it goes without", name + ": there is no " + label(kind, index));
+  index = -1;
 }
 
-/// Checks that every child exists and has one parent. Fills `parents`.
-Checked check_children(const Document& document, std::vector<Index>& parents) {
-  return check_each(document.nodes, [&](std::size_t i, const Node& node) -> Checked {
-    for (const int child : node.children) {
-      if (!points_into(document.nodes, child))
-        return malformed(node_label(document, i) + ": there is no child " + label("node", child));
+void keep_references(const Document& document, const std::string& name, Node& node, Repairs& repairs) {
+  keep_reference(name, "mesh", document.meshes, node.mesh, repairs);
+  keep_reference(name, "camera", document.cameras, node.camera, repairs);
+  keep_reference(name, "skin", document.skins, node.skin, repairs);
+  const Index light = light_of(node);
+  int number = light ? static_cast<int>(*light) : -1;
+  keep_reference(name, "light", document.lights, number, repairs);
+  if (number < 0 || at(document.lights, number).type.empty()) node.extensions.erase("KHR_lights_punctual");
+}
+
+/// Removes children that are not there or have a parent already. Fills `parents`.
+void keep_children(Document& document, std::vector<Index>& parents) {
+  for (std::size_t i = 0; i < document.nodes.size(); ++i)
+    std::erase_if(document.nodes[i].children, [&](int child) {
+      if (!points_into(document.nodes, child)) {
+        document.repairs.add("it goes without",
+                             node_label(document, i) + ": there is no child " + label("node", child));
+        return true;
+      }
       Index& parent = at(parents, child);
       if (parent)
-        return malformed(label("node", child, at(document.nodes, child).name) + " has two parents, " +
-                         label("node", *parent) + " and " + label("node", i));
+        document.repairs.add("it stays with the first", label("node", child, at(document.nodes, child).name) +
+                                                            " has two parents, " + label("node", *parent) +
+                                                            " and " + label("node", i));
+      if (parent) return true;
       parent = static_cast<std::uint32_t>(i);
-    }
-    return {};
-  });
+      return false;
+    });
 }
 
 /// Every node has at most one parent here, so a node that no root reaches is part of a cycle or below one.
@@ -85,20 +102,40 @@ Checked check_forest(const Document& document, const std::vector<Index>& parents
                    " is its own ancestor or hangs below such a node");
 }
 
-Checked check_scenes(const Document& document, const std::vector<Index>& parents) {
-  if (!points_into(document.scenes, document.defaultScene))
-    return malformed("the default " + label("scene", document.defaultScene) + " is not there");
-  return check_each(document.scenes, [&](std::size_t s, const tinygltf::Scene& scene) -> Checked {
-    std::set<int> seen;
-    for (const int root : scene.nodes) {
-      if (!points_into(document.nodes, root))
-        return malformed(label("scene", s) + ": there is no " + label("node", root));
-      const std::string name = label("node", root, at(document.nodes, root).name);
-      if (at(parents, root)) return malformed(label("scene", s) + ": " + name + " is no root");
-      if (!seen.insert(root).second) return malformed(label("scene", s) + ": " + name + " is named twice");
+/// Removes roots of a scene that are not there, are named twice, or hang below another of its roots.
+void keep_roots(Document& document, std::size_t number, const std::vector<Index>& parents) {
+  std::vector<int>& roots = document.scenes[number].nodes;
+  const std::set<int> named(roots.begin(), roots.end());
+  std::set<int> seen;
+  std::erase_if(roots, [&](int root) {
+    const std::string scene = label("scene", number) + ": ";
+    if (!points_into(document.nodes, root)) {
+      document.repairs.add("it goes without", scene + "there is no " + label("node", root));
+      return true;
     }
-    return {};
+    const std::string name = scene + label("node", root, at(document.nodes, root).name);
+    bool is_drawn = !seen.insert(root).second;
+    if (is_drawn || at(parents, root))
+      document.repairs.add("it is drawn once", name + (is_drawn ? " is named twice" : " is no root"));
+    for (Index above = at(parents, root); above && !is_drawn; above = parents[*above])
+      is_drawn = named.contains(static_cast<int>(*above));
+    return is_drawn;
   });
+}
+
+void mend_scenes(Document& document, const std::vector<Index>& parents) {
+  if (document.scenes.empty()) {
+    std::vector<int>& roots = document.scenes.emplace_back().nodes;
+    for (std::size_t i = 0; i < parents.size(); ++i)
+      if (!parents[i]) roots.push_back(static_cast<int>(i));
+    document.repairs.add("all nodes are drawn", "the file has no scene");
+  }
+  if (!points_into(document.scenes, document.defaultScene)) {
+    document.repairs.add("the first one is drawn",
+                         "the default " + label("scene", document.defaultScene) + " is not there");
+    document.defaultScene = 0;
+  }
+  for (std::size_t i = 0; i < document.scenes.size(); ++i) keep_roots(document, i, parents);
 }
 
 /// Upper bounds for a node: the factor by which it scales lengths, and the distance of its origin.
@@ -144,19 +181,17 @@ std::vector<std::uint32_t> parents_first(const Document& document, const std::ve
   return order;
 }
 
-Checked validate_nodes(const Document& document, const SceneLimits& limits) {
+Checked validate_nodes(Document& document, const SceneLimits& limits) {
   std::vector<Index> parents(document.nodes.size());
-  const std::set<int> moving = nodes_with_moving(document, "scale");
-  return check_each(document.nodes,
-                    [&](auto i, const auto& node) { return check_references(document, i, node); })
-      .and_then([&] {
-        return check_each(document.nodes, [&](auto i, const auto& node) {
-          return check_transform(document, i, node, moving.contains(static_cast<int>(i)));
-        });
-      })
-      .and_then([&] { return check_children(document, parents); })
-      .and_then([&] { return check_forest(document, parents, limits.node_depth); })
-      .and_then([&] { return check_scenes(document, parents); });
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    const std::string name = node_label(document, i);
+    keep_references(document, name, document.nodes[i], document.repairs);
+    mend_transform(name, document.nodes[i], document.repairs);
+  }
+  keep_children(document, parents);
+  const Checked checked = check_forest(document, parents, limits.node_depth);
+  if (checked) mend_scenes(document, parents);
+  return checked;
 }
 
 Checked validate_reach(const Document& document) {

@@ -172,4 +172,12 @@ Expected<Scene> load_copy(const std::byte* bytes, std::size_t size) {
   return load_scene_from_memory({exact.get(), size});
 }
 
+std::string outcome_of(const Expected<Scene>& scene) {
+  if (!scene) return "refused: " + scene.error().what;
+  if (scene->warnings.empty()) return "drawn";
+  std::string all;
+  for (const std::string& warning : scene->warnings) all += (all.empty() ? "" : "; ") + warning;
+  return all;
+}
+
 }  // namespace farshade

@@ -64,4 +64,7 @@ class GltfBuilder {
   return load_copy(bytes.data(), bytes.size());
 }
 
+/// "drawn", the warnings of a scene that loads, or "refused: " and why.
+[[nodiscard]] std::string outcome_of(const Expected<Scene>& scene);
+
 }  // namespace farshade

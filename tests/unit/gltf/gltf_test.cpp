@@ -228,6 +228,165 @@ TEST(GltfNodes, InstancesShareAMesh) {
   EXPECT_EQ(scene.triangle_count, 2u);
 }
 
+/// A triangle, and below a node that is shown nowhere else: a triangle, a lamp, a spot and a camera.
+GltfBuilder file_with_hidden(const json& transform) {
+  GltfBuilder file = triangle_file();
+  json node = {{"name", "hidden"}, {"mesh", 0}, {"children", {2, 3, 4, 5}}, {"translation", {0, 0, 7}}};
+  node.update(transform);
+  if (node.contains("matrix")) node.erase("translation");
+  file.node(node);
+  file.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, 1}}, {"scale", {2, 2, 2}}});
+  file.json["nodes"].push_back({{"extensions", file.light({{"type", "point"}})}});
+  file.json["nodes"].push_back(
+      {{"scale", {0, 0, 0}},
+       {"extensions", file.light({{"type", "spot"}, {"spot", {{"outerConeAngle", 0.5}}}})}});
+  file.json["nodes"].push_back({{"name", "camera:a"}, {"translation", {0, 1, 0}}});
+  return file;
+}
+
+TEST(GltfNodes, OfScaleZeroAreHiddenWithWhatIsBelow) {
+  const json flat = {1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 7, 1};
+  for (const json& transform :
+       {json{{"scale", {0, 0, 0}}}, json{{"scale", {0, 1, 0}}}, json{{"matrix", flat}}}) {
+    const auto scene = load(file_with_hidden(transform));
+    EXPECT_EQ(outcome_of(scene), "drawn") << transform;
+    ASSERT_EQ(scene->instances.size(), 1u) << transform;
+    EXPECT_EQ(scene->bounds.high, glm::dvec3(1, 1, 0));
+    ASSERT_EQ(scene->lights.size(), 2u) << "light has no size";
+    const SceneState state = state_at(*scene, Time{});
+    EXPECT_NEAR(state.light_set.lights[0].position.v.z, 7, 1e-6);
+    EXPECT_LT(glm::distance(state.light_set.lights[1].direction.v, glm::dvec3(0, 0, -1)), 1e-6);
+    EXPECT_NEAR(scene->camera.value().translation.z, 7, 1e-6);
+  }
+  EXPECT_EQ(loaded(file_with_hidden({{"scale", {1, 0, 1}}})).instances.size(), 3u) << "flat, not hidden";
+}
+
+TEST(GltfNodes, OfScaleZeroThatAnAnimationGrowsAreShown) {
+  GltfBuilder file = file_with_hidden({{"scale", {0, 0, 0}}});
+  const auto keys = file.accessor(file.view<float>({0, 1}), 5126, "SCALAR", 2);
+  const auto sizes = file.positions({{0, 0, 0}, {1, 1, 1}});
+  file.json["animations"] = {
+      {{"samplers", {{{"input", keys}, {"output", sizes}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "scale"}}}}}}}};
+  EXPECT_EQ(loaded(file).instances.size(), 3u);
+}
+
+TEST(GltfNodes, ThatAreAllHiddenAreRefused) {
+  GltfBuilder file = triangle_file();
+  file.json["nodes"][0]["scale"] = {0, 0, 0};
+  EXPECT_EQ(outcome_of(load(file)), "refused: nothing to draw: the scene has no triangles");
+}
+
+TEST(GltfNodes, AreMended) {
+  GltfBuilder file = triangle_file();
+  file.node({{"name", "a"}, {"mesh", 0}, {"rotation", {0, 0, 0, 0}}});
+  file.node({{"name", "b"}, {"mesh", 0}, {"rotation", {0, 0, 3, 3}}});
+  const auto scene = load(file);
+  EXPECT_EQ(outcome_of(scene),
+            "repaired: node 1 'a': its rotation is not a unit quaternion; it is made one (and 1 more)");
+  EXPECT_EQ(scene->nodes[1].rest.rotation, glm::dquat(1, 0, 0, 0));
+  EXPECT_LT(glm::length(scene->nodes[2].rest.rotation - glm::dquat(std::sqrt(0.5), 0, 0, std::sqrt(0.5))),
+            1e-9);
+}
+
+/// A child of two nodes, one root below another, one that is named twice, and one below what is not shown.
+TEST(GltfNodes, AreDrawnOnce) {
+  GltfBuilder file = triangle_file();
+  file.json["nodes"] = {{{"mesh", 0}, {"children", {1}}},
+                        {{"mesh", 0}},
+                        {{"mesh", 0}, {"children", {1, 77}}},
+                        {{"children", {4}}, {"translation", {5, 0, 0}}},
+                        {{"mesh", 0}}};
+  file.json["scenes"][0]["nodes"] = {0, 1, 2, 2, 4, 99};
+  const auto scene = load(file);
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->instances.size(), 4u);
+  EXPECT_EQ(scene->bounds.high, glm::dvec3(1, 1, 0));
+  EXPECT_EQ(scene->warnings,
+            (std::vector<std::string>{
+                "repaired: node 1 has two parents, node 0 and node 2; it stays with the first",
+                "repaired: node 2: there is no child node 77; it goes without (and 1 more)",
+                "repaired: scene 0: node 1 is no root; it is drawn once (and 2 more)"}));
+}
+
+TEST(GltfAnimations, WhoseTimesRunBackwardsStandStill) {
+  GltfBuilder file = rich_file();
+  const auto keys = file.accessor(file.view<float>({0, 2, 1}), 5126, "SCALAR", 3);
+  file.json["animations"][0]["name"] = "swing";
+  file.json["animations"][0]["samplers"][0]["input"] = keys;
+  const auto scene = load(file);
+  EXPECT_EQ(outcome_of(scene), "repaired: animation 0 'swing', channel 0: key accessor " +
+                                   std::to_string(keys) + ": its times should grow; it stands still");
+  ASSERT_EQ(scene->channels.size(), 1u);
+  EXPECT_EQ(scene->channels[0].path, Path::Rotation) << "the other channel moves";
+}
+
+TEST(GltfLights, OfALargeRangeHaveNoLimit) {
+  for (const double range : {3.40282347e+38, 1e200, 1e30}) {
+    GltfBuilder file = triangle_file();
+    file.node({{"extensions", file.light({{"type", "point"}, {"range", range}})}});
+    const auto scene = load(file);
+    EXPECT_EQ(outcome_of(scene), "drawn") << range;
+    EXPECT_FALSE(scene->lights.at(0).range_m.has_value()) << range;
+  }
+}
+
+TEST(GltfLights, OfALargeIntensityAreAsBrightAsCanBe) {
+  GltfBuilder file = triangle_file();
+  file.node({{"extensions", file.light({{"type", "point"}, {"intensity", 1e300}})}});
+  EXPECT_EQ(loaded(file).lights.at(0).intensity, glm::vec3(1e30f));
+}
+
+TEST(GltfLights, AreMended) {
+  GltfBuilder file = triangle_file();
+  for (const json& light : {json{{"type", "laser"}}, json{{"type", 3}},
+                            json{{"type", "point"}, {"color", {1, -1, 0.5}}, {"range", 0}},
+                            json{{"type", "spot"}, {"spot", {{"innerConeAngle", 3}, {"outerConeAngle", 2}}}}})
+    file.node({{"extensions", file.light(light)}});
+  const auto scene = load(file);
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->warnings.size(), 4u) << outcome_of(scene);
+  ASSERT_EQ(scene->lights.size(), 2u);
+  EXPECT_EQ(scene->lights[0].intensity, glm::vec3(1, 0, 0.5f));
+  EXPECT_FALSE(scene->lights[0].range_m);
+  EXPECT_FLOAT_EQ(scene->lights[1].outer_cone_rad, static_cast<float>(std::numbers::pi / 2));
+  EXPECT_LT(scene->lights[1].inner_cone_rad, scene->lights[1].outer_cone_rad);
+}
+
+TEST(GltfMaterial, IsMended) {
+  GltfBuilder file = rich_file();
+  json& material = file.json["materials"][0];
+  material["alphaMode"] = "FOG";
+  material["pbrMetallicRoughness"]["baseColorFactor"] = {2, -1, 0.5, 1};
+  file.json["samplers"][0]["wrapS"] = 7;
+  const auto scene = load(file);
+  EXPECT_EQ(outcome_of(scene),
+            "repaired: material 0 'cloth': the base colour factor is outside of 0 to 1; it is cut off; "
+            "repaired: material 0 'cloth': unknown alpha mode 'FOG'; it is opaque; "
+            "repaired: sampler 0: unknown wrap mode 7; it repeats");
+  EXPECT_EQ(scene->materials[0].base_color, glm::vec4(1, 0, 0.5f, 1));
+  EXPECT_FALSE(scene->materials[0].alpha_cutoff);
+  EXPECT_EQ(scene->textures[0].wrap_u, Wrap::Repeat);
+  EXPECT_EQ(scene->textures[0].wrap_v, Wrap::MirroredRepeat);
+}
+
+TEST(GltfMesh, WithoutAnAttributeThatDoesNotFitIsDrawn) {
+  GltfBuilder file = rich_file();
+  file.json["accessors"][1]["count"] = 3;
+  const auto scene = load(file);
+  EXPECT_EQ(
+      outcome_of(scene),
+      "repaired: mesh 0 'chair', primitive 0: NORMAL accessor 1 has 3 elements for 4 vertices; it is drawn "
+      "without this attribute");
+  EXPECT_EQ(scene->meshes.at(0).normals.size(), 6u) << "the faces'";
+}
+
+TEST(GltfMesh, DrawsTheWholeTrianglesOfItsIndices) {
+  GltfBuilder file = rich_file();
+  file.json["accessors"][4]["count"] = 5;
+  EXPECT_EQ(load(file)->triangle_count, 1u);
+}
+
 TEST(GltfLights, KeepTheOrderOfTheFile) {
   GltfBuilder file = triangle_file();
   const json first = file.light({{"type", "spot"},
