@@ -1,9 +1,8 @@
 #include "stereo/gltf/gltf_accessor.h"
 
+#include <cmath>
 #include <cstring>
 #include <limits>
-
-#include "stereo/base/check.h"
 
 namespace farshade::gltf {
 namespace {
@@ -29,35 +28,18 @@ float load_number(const std::uint8_t* bytes, bool normalized) {
   return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0f);
 }
 
-/// Calls `read` with a value of the component's C++ type.
-template <class Read>
-void with_type(Component component, Read read) {
-  switch (component) {
-    case Component::Int8:
-      return read(std::int8_t{});
-    case Component::UInt8:
-      return read(std::uint8_t{});
-    case Component::Int16:
-      return read(std::int16_t{});
-    case Component::UInt16:
-      return read(std::uint16_t{});
-    case Component::UInt32:
-      return read(std::uint32_t{});
-    case Component::Float:
-      return read(float{});
-  }
-  check(false, "validated component type");
-}
-
 /// Calls `store(index, address, zero)` for each dense element, then for each sparse element. `zero` has the
 /// C++ type of a component.
 template <class Store>
 void for_each_element(const Document& document, const Accessor& accessor, Store store) {
-  const ElementRun run = elements_of(document, accessor);
   const std::vector<std::uint32_t> numbers = sparse_indices(document, accessor);
   with_type(component_of(accessor), [&](auto zero) {
-    if (run.first)
-      for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, run.first + i * run.stride, zero);
+    if (accessor.bufferView >= 0) {
+      const std::uint8_t* first = bytes_at(document, accessor.bufferView, accessor.byteOffset);
+      const std::uint64_t given = at(document.bufferViews, accessor.bufferView).byteStride,
+                          stride = given ? given : element_bytes(accessor);
+      for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, first + i * stride, zero);
+    }
     if (!accessor.sparse.isSparse) return;
     const auto& sparse = accessor.sparse.values;
     const auto* values = bytes_at(document, sparse.bufferView, static_cast<std::size_t>(sparse.byteOffset));
@@ -95,13 +77,6 @@ Expected<const Accessor*> accessor_at(const Document& document, const std::strin
   return malformed(user + ": " + accessor.name);
 }
 
-ElementRun elements_of(const Document& document, const Accessor& accessor) {
-  if (accessor.bufferView < 0) return {};
-  const std::uint64_t stride = at(document.bufferViews, accessor.bufferView).byteStride;
-  return {bytes_at(document, accessor.bufferView, accessor.byteOffset),
-          stride ? stride : element_bytes(accessor)};
-}
-
 template <int N>
 std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t index) {
   const Accessor& accessor = document.accessors[index];
@@ -116,28 +91,34 @@ std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint
   });
   return result;
 }
+template std::vector<glm::vec<1, float>> read_vectors<1>(const Document&, std::uint32_t);
 template std::vector<glm::vec2> read_vectors<2>(const Document&, std::uint32_t);
 template std::vector<glm::vec3> read_vectors<3>(const Document&, std::uint32_t);
 template std::vector<glm::vec4> read_vectors<4>(const Document&, std::uint32_t);
 
 std::vector<glm::mat4> read_matrices(const Document& document, std::uint32_t index) {
-  const Accessor& accessor = document.accessors[index];
-  std::vector<glm::mat4> result(accessor.count, glm::mat4(0.0f));
-  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
-    for (std::size_t c = 0; c < 16; ++c)
-      result[i][static_cast<int>(c / 4)][static_cast<int>(c % 4)] =
-          load_number<decltype(zero)>(bytes + c * sizeof zero, false);
-  });
+  std::vector<glm::mat4> result(document.accessors[index].count, glm::mat4(0.0f));
+  for_each_element(document, document.accessors[index],
+                   [&](std::uint64_t i, const std::uint8_t* bytes, auto) {
+                     std::memcpy(&result[i], bytes, sizeof result[i]);
+                   });
   return result;
 }
 
 std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
-  const Accessor& accessor = document.accessors[index];
-  std::vector<float> result(accessor.count);
-  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
-    result[i] = load_number<decltype(zero)>(bytes, accessor.normalized);
-  });
+  std::vector<float> result;
+  for (const auto& value : read_vectors<1>(document, index)) result.push_back(value.x);
   return result;
+}
+
+std::optional<std::uint64_t> first_not_finite(const Document& document, const Accessor& accessor) {
+  std::optional<std::uint64_t> first;
+  if (component_of(accessor) != Component::Float) return first;
+  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto) {
+    for (std::uint64_t at = 0; at < element_bytes(accessor) && !first; at += sizeof(float))
+      if (!std::isfinite(load<float>(bytes + at))) first = i;
+  });
+  return first;
 }
 
 std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t index) {

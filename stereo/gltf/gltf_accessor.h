@@ -8,9 +8,31 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "stereo/base/check.h"
 #include "stereo/gltf/gltf_model.h"
 
 namespace farshade::gltf {
+
+/// Calls `use` with a value of the component's C++ type.
+template <class Use>
+auto with_type(Component component, Use use) {
+  switch (component) {
+    case Component::Int8:
+      return use(std::int8_t{});
+    case Component::UInt8:
+      return use(std::uint8_t{});
+    case Component::Int16:
+      return use(std::int16_t{});
+    case Component::UInt16:
+      return use(std::uint16_t{});
+    case Component::UInt32:
+      return use(std::uint32_t{});
+    case Component::Float:
+      return use(float{});
+  }
+  check(false, "validated component type");
+  return use(float{});
+}
 
 /// `bytes` bytes of a buffer from `offset` on, or why `name` cannot read them.
 [[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document,
@@ -25,13 +47,9 @@ namespace farshade::gltf {
 [[nodiscard]] Expected<const Accessor*> accessor_at(const Document& document, const std::string& user,
                                                     int index);
 
-/// The address of the first dense element of `accessor` and the distance between elements in bytes. `first`
-/// is null if the accessor has no buffer view.
-struct ElementRun {
-  const std::uint8_t* first = nullptr;
-  std::uint64_t stride = 0;
-};
-[[nodiscard]] ElementRun elements_of(const Document& document, const Accessor& accessor);
+/// The first element that is not finite.
+[[nodiscard]] std::optional<std::uint64_t> first_not_finite(const Document& document,
+                                                            const Accessor& accessor);
 
 /// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
 template <int N>

@@ -76,7 +76,6 @@ std::vector<std::uint32_t> add_mesh(const Mesh& from, const Document& document, 
                                     Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
-    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
     farshade::Mesh mesh = mesh_from(document, primitive);
     if (mesh.triangles.empty()) continue;
     mesh.name = from.name;
@@ -136,7 +135,6 @@ void add_deformed(Document& document, const Node& from, std::uint32_t node, cons
   const RigPlace place = add_rig(rig, node, poses, scene);
   const Mesh& mesh = at(document.meshes, from.mesh);
   for (const Primitive& primitive : mesh.primitives) {
-    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive)) continue;
     if (attribute(primitive, "JOINTS_1"))
       scene.warnings.push_back("mesh '" + printable(mesh.name) +
                                "': vertices follow their first four joints only");

@@ -100,14 +100,12 @@ Expected<std::unique_ptr<draco::Mesh>> decode_mesh(std::span<const std::uint8_t>
     return fail(Fault::Unsupported, name + " has version " + std::to_string(header.version_major) + "." +
                                         std::to_string(header.version_minor) +
                                         " of Draco's format, only 2.2 is read: compress the file again");
+  using Sequential = BoundedDecoder<draco::MeshSequentialDecoder, draco::MESH_SEQUENTIAL_ENCODING>;
+  using Edgebreaker = BoundedDecoder<draco::MeshEdgebreakerDecoder, draco::MESH_EDGEBREAKER_ENCODING>;
   if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
-    return BoundedDecoder<draco::MeshSequentialDecoder, draco::MESH_SEQUENTIAL_ENCODING>(name, triangles,
-                                                                                         budget)
-        .decode(buffer);
+    return Sequential(name, triangles, budget).decode(buffer);
   if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
-    return BoundedDecoder<draco::MeshEdgebreakerDecoder, draco::MESH_EDGEBREAKER_ENCODING>(name, triangles,
-                                                                                           budget)
-        .decode(buffer);
+    return Edgebreaker(name, triangles, budget).decode(buffer);
   return malformed(name + ": unknown method " + std::to_string(header.encoder_method));
 }
 
@@ -139,26 +137,6 @@ bool convert_values(const draco::PointAttribute& from, std::uint32_t points, std
   return true;
 }
 
-bool convert_values(const draco::PointAttribute& from, std::uint32_t points, const Accessor& accessor,
-                    Bytes& to) {
-  const std::uint32_t rows = shape_of(accessor).rows;
-  switch (component_of(accessor)) {
-    case Component::Int8:
-      return convert_values<std::int8_t>(from, points, rows, to);
-    case Component::UInt8:
-      return convert_values<std::uint8_t>(from, points, rows, to);
-    case Component::Int16:
-      return convert_values<std::int16_t>(from, points, rows, to);
-    case Component::UInt16:
-      return convert_values<std::uint16_t>(from, points, rows, to);
-    case Component::UInt32:
-      return convert_values<std::uint32_t>(from, points, rows, to);
-    case Component::Float:
-      return convert_values<float>(from, points, rows, to);
-  }
-  return false;
-}
-
 /// Points the primitive's attribute `semantic` at the decoded values.
 Checked take_attribute(Document& document, const std::string& name, Primitive& primitive,
                        const std::string& semantic, std::uint32_t id, const draco::Mesh& mesh) {
@@ -176,7 +154,10 @@ Checked take_attribute(Document& document, const std::string& name, Primitive& p
     return malformed(subject + ": " + label("accessor", *number) + " does not have the mesh's " +
                      std::to_string(mesh.num_points()) + " vertices");
   Bytes values;
-  if (!convert_values(*from, mesh.num_points(), accessor, values))
+  const bool fits = with_type(component_of(accessor), [&](auto zero) {
+    return convert_values<decltype(zero)>(*from, mesh.num_points(), shape.rows, values);
+  });
+  if (!fits)
     return malformed(subject + ": a value does not fit in the type of " + label("accessor", *number));
   primitive.attributes[semantic] = add_accessor(document, *number, std::move(values));
   return {};
@@ -222,7 +203,7 @@ Checked decompress_draco(Document& document, DecodedBudget& budget) {
     for (std::size_t p = 0; p < document.meshes[m].primitives.size(); ++p) {
       Primitive& primitive = document.meshes[m].primitives[p];
       const auto* draco = extension(primitive.extensions, "KHR_draco_mesh_compression");
-      if (!draco || !draws_triangles(primitive)) continue;
+      if (!draco || !has_triangles(primitive)) continue;
       const std::string name =
           "the Draco mesh of " + label("mesh", m, document.meshes[m].name) + ", " + label("primitive", p);
       Checked decoded = decompress_primitive(document, name, *draco, primitive, budget);

@@ -22,10 +22,9 @@ struct Instancing {
 std::optional<Instancing> instancing_of(const Node& node) {
   const auto* from = extension(node.extensions, "EXT_mesh_gpu_instancing");
   if (!from) return std::nullopt;
-  const auto* attributes = member(*from, "attributes");
-  if (!attributes) return Instancing{};
-  return Instancing{index_member(*attributes, "TRANSLATION"), index_member(*attributes, "ROTATION"),
-                    index_member(*attributes, "SCALE")};
+  const auto& attributes = from->Get("attributes");
+  return Instancing{index_member(attributes, "TRANSLATION"), index_member(attributes, "ROTATION"),
+                    index_member(attributes, "SCALE")};
 }
 
 Checked check_attribute(const Document& document, const std::string& name, Index index, std::uint32_t rows,
@@ -50,11 +49,11 @@ Checked check_attribute(const Document& document, const std::string& name, Index
 Expected<std::uint64_t> check_instances(const Document& document, const std::string& name,
                                         const Instancing& from) {
   std::optional<std::uint64_t> count;
-  const Checked checked =
-      check_attribute(document, name, from.translation, 3, count)
-          .and_then([&] { return check_attribute(document, name, from.rotation, 4, count); })
-          .and_then([&] { return check_attribute(document, name, from.scale, 3, count); });
-  if (!checked) return tl::unexpected(checked.error());
+  const std::pair<Index, std::uint32_t> attributes[] = {
+      {from.translation, 3}, {from.rotation, 4}, {from.scale, 3}};
+  for (const auto& [index, rows] : attributes)
+    if (const Checked checked = check_attribute(document, name, index, rows, count); !checked)
+      return tl::unexpected(checked.error());
   return count.value_or(1);
 }
 
@@ -87,19 +86,15 @@ std::vector<Node> instances_of(const Document& document, const Node& parent, con
   return made;
 }
 
-/// A channel that animates the weights of a node.
-struct WeightChannel {
-  std::size_t animation = 0;
-  int sampler = 0;
-};
-using WeightChannels = std::multimap<std::size_t, WeightChannel>;  ///< by node
+/// The channels that animate the weights of nodes: animation and sampler, by node.
+using WeightChannels = std::multimap<std::size_t, std::pair<std::size_t, int>>;
 
 WeightChannels weight_channels(const Document& document) {
   WeightChannels result;
   for (std::size_t a = 0; a < document.animations.size(); ++a)
     for (const AnimationChannel& channel : document.animations[a].channels)
       if (channel.target_path == "weights")
-        result.emplace(static_cast<std::size_t>(channel.target_node), WeightChannel{a, channel.sampler});
+        result.emplace(static_cast<std::size_t>(channel.target_node), std::pair(a, channel.sampler));
   return result;
 }
 
@@ -108,8 +103,8 @@ void share_weights(const WeightChannels& channels, std::size_t node, std::size_t
   const auto [begin, end] = channels.equal_range(node);
   for (auto channel = begin; channel != end; ++channel)
     for (std::size_t instance = first; instance < document.nodes.size(); ++instance) {
-      AnimationChannel& added = document.animations[channel->second.animation].channels.emplace_back();
-      added.sampler = channel->second.sampler;
+      AnimationChannel& added = document.animations[channel->second.first].channels.emplace_back();
+      added.sampler = channel->second.second;
       added.target_node = static_cast<int>(instance);
       added.target_path = "weights";
     }

@@ -36,23 +36,11 @@ LightTrack track_from(const Document& document, const AnimationSampler& sampler,
 }
 
 void set_value(LightProperty property, const glm::dvec4& value, LightValues& light) {
-  switch (property) {
-    case LightProperty::Color:
-      light.color = glm::dvec3(value);
-      break;
-    case LightProperty::Intensity:
-      light.intensity = value.x;
-      break;
-    case LightProperty::Range:
-      light.range_m = value.x;
-      break;
-    case LightProperty::InnerCone:
-      light.inner_cone_rad = value.x;
-      break;
-    case LightProperty::OuterCone:
-      light.outer_cone_rad = value.x;
-      break;
-  }
+  if (property == LightProperty::Color) light.color = glm::dvec3(value);
+  if (property == LightProperty::Intensity) light.intensity = value.x;
+  if (property == LightProperty::Range) light.range_m = value.x;
+  if (property == LightProperty::InnerCone) light.inner_cone_rad = value.x;
+  if (property == LightProperty::OuterCone) light.outer_cone_rad = value.x;
 }
 
 /// A bound of the values between all keys. The tangents of a spline add at most 4/27 of their length.

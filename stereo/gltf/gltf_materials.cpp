@@ -37,6 +37,13 @@ TextureUse texture_use(std::uint32_t texture, std::uint32_t texcoord, const Valu
   return use;
 }
 
+/// False for a format that no library of Debian decodes.
+bool is_known(std::span<const std::uint8_t> file) {
+  using namespace std::string_view_literals;
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
+}
+
 /// SceneLimits::all_image_pixels says why.
 constexpr std::uint64_t kMostPixelsPerByte = 16;
 /// Damaged images up to SceneLimits::image_pixels that a file may have. They cost as much time as others.
@@ -99,23 +106,13 @@ std::uint32_t MaterialConverter::material(Index index) {
     result.alpha_cutoff = cutoff_from(from);
     result.double_sided = from.doubleSided;
     result.unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
-    if (const auto use = texture_of(from)) result.texture = texture(name, use->texture);
+    const auto use = texture_of(from);
+    const Expected<Index> texture_index = use ? texture(name, use->texture) : Index{};
+    if (!texture_index) document_.repairs.add("the base colour factor is drawn", texture_index.error());
+    result.texture = texture_index.value_or(Index{});
   }
   scene_.materials.push_back(std::move(result));
   return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
-}
-
-/// False for a format that no library of Debian decodes.
-bool MaterialConverter::is_known(std::span<const std::uint8_t> file) const {
-  using namespace std::string_view_literals;
-  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-  return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
-}
-
-void MaterialConverter::leave_out_texture() {
-  if (leaves_out_texture_) return;
-  leaves_out_texture_ = true;
-  scene_.warnings.emplace_back("textures without a PNG, JPEG or WebP image are left out");
 }
 
 Wrap MaterialConverter::wrap_from(int sampler, int code) {
@@ -128,40 +125,35 @@ Wrap MaterialConverter::wrap_from(int sampler, int code) {
 }
 
 /// `user` names the material.
-Index MaterialConverter::texture(const std::string& user, std::uint32_t index) {
-  constexpr const char* kColor = "the base colour factor is drawn";
-  if (index >= document_.textures.size()) {
-    document_.repairs.add(kColor, user + ": there is no " + label("texture", index));
-    return {};
-  }
+Expected<Index> MaterialConverter::texture(const std::string& user, std::uint32_t index) {
+  if (index >= document_.textures.size()) return malformed(user + ": there is no " + label("texture", index));
   const tinygltf::Texture& from = document_.textures[index];
+  const std::string name = label("texture", index, from.name);
   const Index source = image_of(from);
-  if (source && *source >= document_.images.size()) {
-    document_.repairs.add(kColor, label("texture", index) + ": there is no " + label("image", *source));
-    return {};
-  }
-  const bool has_sampler = points_into(document_.samplers, from.sampler);
-  if (!has_sampler)
-    document_.repairs.add("it repeats",
-                          label("texture", index) + ": there is no " + label("sampler", from.sampler));
-  const auto sampler =
-      from.sampler >= 0 && has_sampler ? at(document_.samplers, from.sampler) : tinygltf::Sampler{};
+  if (source && *source >= document_.images.size())
+    return malformed(name + ": there is no " + label("image", *source));
   const auto file = source ? file_of(document_, *source) : Expected<std::span<const std::uint8_t>>();
   if (!source || (file && !is_known(*file))) {
-    leave_out_texture();
-    return {};
+    const std::string warning = "textures without a PNG, JPEG or WebP image are left out";
+    if (std::ranges::find(scene_.warnings, warning) == scene_.warnings.end())
+      scene_.warnings.push_back(warning);
+    return Index{};
   }
-  const TextureKey key{*source, wrap_from(from.sampler, sampler.wrapS),
-                       wrap_from(from.sampler, sampler.wrapT)};
+  int sampler = from.sampler;
+  if (!points_into(document_.samplers, sampler)) {
+    document_.repairs.add("it repeats", name + ": there is no " + label("sampler", sampler));
+    sampler = -1;
+  }
+  const auto wraps = sampler < 0 ? tinygltf::Sampler{} : at(document_.samplers, sampler);
+  const TextureKey key{*source, wrap_from(sampler, wraps.wrapS), wrap_from(sampler, wraps.wrapT)};
   if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
   auto image = decode(*source);
-  if (!image) {
-    const std::string name = label("image", *source, document_.images[*source].name);
-    document_.repairs.add(kColor, {image.error().fault, name + ": " + image.error().what});
-    return textures_[key] = Index{};
-  }
+  textures_[key] = image ? Index{static_cast<std::uint32_t>(scene_.textures.size())} : Index{};
+  if (!image)
+    return fail(image.error().fault,
+                label("image", *source, document_.images[*source].name) + ": " + image.error().what);
   scene_.textures.push_back({std::move(*image), std::get<1>(key), std::get<2>(key)});
-  return textures_[key] = static_cast<std::uint32_t>(scene_.textures.size() - 1);
+  return textures_[key];
 }
 
 Expected<farshade::Image<Rgba8>> MaterialConverter::decode(std::uint32_t index) {

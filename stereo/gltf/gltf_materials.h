@@ -39,10 +39,8 @@ class MaterialConverter {
 
  private:
   using TextureKey = std::tuple<std::uint32_t, Wrap, Wrap>;  ///< image, wrap modes
-  Index texture(const std::string& user, std::uint32_t index);
+  Expected<Index> texture(const std::string& user, std::uint32_t index);
   Wrap wrap_from(int sampler, int code);
-  [[nodiscard]] bool is_known(std::span<const std::uint8_t> file) const;
-  void leave_out_texture();
   Expected<farshade::Image<Rgba8>> decode(std::uint32_t index);
 
   Document& document_;
@@ -50,7 +48,6 @@ class MaterialConverter {
   Scene& scene_;
   std::uint64_t pixels_left_;  ///< for all images together, against small files that hold many large images
   std::uint32_t damaged_ = 0;  ///< images
-  bool leaves_out_texture_ = false;
   std::map<Index, std::uint32_t> materials_;
   std::map<TextureKey, Index> textures_;
 };

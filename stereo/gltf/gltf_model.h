@@ -87,20 +87,9 @@ enum class Component : int {
   return static_cast<Component>(accessor.componentType);
 }
 
-/// Size of a component in bytes; 0 for a component type that glTF does not have.
+/// Size of a component in bytes.
 [[nodiscard]] constexpr std::uint64_t bytes_of(Component c) {
-  switch (c) {
-    case Component::Int8:
-    case Component::UInt8:
-      return 1;
-    case Component::Int16:
-    case Component::UInt16:
-      return 2;
-    case Component::UInt32:
-    case Component::Float:
-      return 4;
-  }
-  return 0;
+  return c < Component::Int16 ? 1 : c < Component::UInt32 ? 2 : 4;
 }
 
 /// The rows and columns of an element. A vector has one column.
@@ -108,18 +97,9 @@ struct Shape {
   std::uint32_t rows = 1, columns = 1;
 };
 [[nodiscard]] inline Shape shape_of(const Accessor& accessor) {
-  switch (accessor.type) {
-    case TINYGLTF_TYPE_MAT2:
-      return {2, 2};
-    case TINYGLTF_TYPE_MAT3:
-      return {3, 3};
-    case TINYGLTF_TYPE_MAT4:
-      return {4, 4};
-    case TINYGLTF_TYPE_SCALAR:
-      return {1, 1};
-    default:
-      return {static_cast<std::uint32_t>(accessor.type), 1};  // TINYGLTF_TYPE_VEC2 to 4 are 2 to 4
-  }
+  // TINYGLTF_TYPE_VEC2 to 4 are 2 to 4, MAT2 to 4 are 34 to 36, and SCALAR is 65.
+  const auto rows = static_cast<std::uint32_t>(accessor.type % 32);
+  return {rows, accessor.type / 32 == 1 ? rows : 1};
 }
 [[nodiscard]] inline bool has_shape(const Accessor& accessor, std::uint32_t rows, std::uint32_t columns = 1) {
   const Shape shape = shape_of(accessor);
@@ -140,10 +120,6 @@ struct Shape {
   return at(document.scenes, std::max(document.defaultScene, 0)).nodes;
 }
 
-[[nodiscard]] inline bool draws_triangles(const Primitive& primitive) {
-  return primitive.mode >= TINYGLTF_MODE_TRIANGLES && primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
 /// The accessor of an attribute of a primitive or of a morph target.
 [[nodiscard]] inline Index attribute(const std::map<std::string, int>& attributes,
                                      const std::string& semantic) {
@@ -152,6 +128,11 @@ struct Shape {
 }
 [[nodiscard]] inline Index attribute(const Primitive& primitive, const std::string& semantic) {
   return attribute(primitive.attributes, semantic);
+}
+
+[[nodiscard]] inline bool has_triangles(const Primitive& primitive) {
+  return primitive.mode >= TINYGLTF_MODE_TRIANGLES && primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN &&
+         attribute(primitive, "POSITION");
 }
 
 /// The morph targets of the primitive that has most.

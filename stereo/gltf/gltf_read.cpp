@@ -57,12 +57,6 @@ std::span<json> list_of(json& of, const char* name) {
   return found == of.end() ? std::span<json>() : std::span<json>(found->get_ref<json::array_t&>());
 }
 
-/// Takes a list away.
-json::array_t taken(json& of, const char* name) {
-  const auto found = of.find(name);
-  return found == of.end() ? json::array_t{} : std::move(found->get_ref<json::array_t&>());
-}
-
 /// The bytes of what tinygltf makes of an object in the list `name`.
 std::uint64_t object_bytes(std::string_view name) {
   constexpr std::pair<std::string_view, std::size_t> kLarge[] = {
@@ -128,7 +122,7 @@ Expected<Bytes> bytes_of_buffer(const json& buffer, std::span<const std::byte> b
 }
 
 /// Reads the buffers. What one does not have is missed by those who read it.
-Checked add_buffers(const json::array_t& buffers, std::span<const std::byte> bin, SceneFolder& folder,
+Checked add_buffers(const json& buffers, std::span<const std::byte> bin, SceneFolder& folder,
                     Document& document) {
   for (const json& from : buffers) {
     tinygltf::Buffer& to = document.buffers.emplace_back();
@@ -153,28 +147,21 @@ Checked add_buffers(const json::array_t& buffers, std::span<const std::byte> bin
 }
 
 /// Reads the files of images. An image in a buffer view has no bytes of its own.
-Checked add_images(const json::array_t& images, SceneFolder& folder, Document& document) {
-  document.unreadable.resize(images.size());
+Checked add_images(const json& images, SceneFolder& folder, Document& document) {
   for (const json& from : images) {
     tinygltf::Image& to = document.images.emplace_back();
-    std::optional<Error>& unreadable = document.unreadable[document.images.size() - 1];
     to.name = from.value("name", "");
     to.bufferView = from.value("bufferView", -1);
-    if (to.bufferView >= 0 && from.contains("uri"))
+    const bool has_file = from.contains("uri"), has_view = to.bufferView >= 0;
+    if (has_file && has_view)
       document.repairs.add("the buffer view is drawn", label("image", document.images.size() - 1, to.name) +
                                                            " has both a URI and a buffer view");
-    if (to.bufferView >= 0) continue;
-    if (!from.contains("uri")) {
-      unreadable = Error{Fault::Malformed, "it has neither a URI nor a buffer view"};
-      continue;
-    }
-    auto file = folder.load(from["uri"]);
-    if (file)
-      to.image = std::move(*file);
-    else if (file.error().fault == Fault::Mismatch)
-      return tl::unexpected(file.error());
-    else
-      unreadable = file.error();
+    Expected<Bytes> file = has_view   ? Bytes{}
+                           : has_file ? folder.load(from["uri"])
+                                      : Expected<Bytes>(malformed("it has neither a URI nor a buffer view"));
+    if (!file && file.error().fault == Fault::Mismatch) return tl::unexpected(file.error());
+    document.unreadable.push_back(file ? std::nullopt : std::optional(file.error()));
+    if (file) to.image = std::move(*file);
   }
   return {};
 }
@@ -260,7 +247,7 @@ Expected<Document> read_document(const Container& container, SceneFolder& folder
           .and_then([&] { return check_size(*root, container.json.size()); });
   if (!checked) return tl::unexpected(checked.error());
   mend_before_reading(*root, repairs);
-  const json::array_t buffers = taken(*root, "buffers"), images = taken(*root, "images");
+  const json buffers = std::move((*root)["buffers"]), images = std::move((*root)["images"]);
   root->erase("buffers");
   root->erase("images");
   Expected<Document> document = document_from(std::move(*root), std::move(repairs));

@@ -38,8 +38,8 @@ class Repairs {
   std::vector<Kind> kinds_;
 };
 
-/// If `checked` has no fault or a limit is exceeded (OutOfRange), returns it. Otherwise notes the fault, calls
-/// `mend` and returns no fault.
+/// If `checked` has no fault or a limit is exceeded (OutOfRange), returns it. Otherwise notes the fault,
+/// calls `mend` and returns no fault.
 template <class Mend>
 [[nodiscard]] Expected<void> mended(Expected<void> checked, Repairs& repairs, const char* remedy, Mend mend) {
   if (checked || checked.error().fault == Fault::OutOfRange) return checked;

@@ -1,8 +1,5 @@
 #include "stereo/gltf/gltf_validate.h"
 
-#include <cmath>
-#include <cstring>
-
 #include "stereo/gltf/gltf_accessor.h"
 
 namespace farshade::gltf {
@@ -61,33 +58,6 @@ Checked check_sparse(const Document& document, const std::string& name, const Ac
   return {};
 }
 
-bool is_finite_element(const std::uint8_t* bytes, std::uint32_t components) {
-  for (std::uint32_t c = 0; c < components; ++c) {
-    float value = 0;
-    std::memcpy(&value, bytes + c * sizeof value, sizeof value);
-    if (!std::isfinite(value)) return false;
-  }
-  return true;
-}
-
-Checked check_finite(const Document& document, const std::string& name, const Accessor& accessor) {
-  if (component_of(accessor) != Component::Float) return {};
-  const std::uint32_t components = shape_of(accessor).rows * shape_of(accessor).columns;
-  const ElementRun run = elements_of(document, accessor);
-  if (run.first)
-    for (std::uint64_t i = 0; i < accessor.count; ++i)
-      if (!is_finite_element(run.first + i * run.stride, components))
-        return malformed(name + ": element " + std::to_string(i) + " is not finite");
-  if (!accessor.sparse.isSparse) return {};
-  const BufferView& view = at(document.bufferViews, accessor.sparse.values.bufferView);
-  const auto* values =
-      at(document.buffers, view.buffer).data.data() + view.byteOffset + accessor.sparse.values.byteOffset;
-  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(accessor.sparse.count); ++i)
-    if (!is_finite_element(values + i * element_bytes(accessor), components))
-      return malformed(name + ": sparse element " + std::to_string(i) + " is not finite");
-  return {};
-}
-
 }  // namespace
 
 std::uint64_t element_budget(const Document& document) {
@@ -107,9 +77,9 @@ void validate_accessors(Document& document) {
       checked = malformed(name + ": " + std::to_string(accessor.count) +
                           " elements are more than a file of this size should have");
     if (checked) left -= accessor.count;
-    checked = checked.and_then([&] { return check_sparse(document, name, accessor); }).and_then([&] {
-      return check_finite(document, name, accessor);
-    });
+    if (checked) checked = check_sparse(document, name, accessor);
+    if (const auto bad = checked ? first_not_finite(document, accessor) : std::nullopt)
+      checked = malformed(name + ": element " + std::to_string(*bad) + " is not finite");
     if (!checked) accessor.name = checked.error().what;
     if (checked && accessor.bufferView >= 0 &&
         (at(document.bufferViews, accessor.bufferView).byteOffset + accessor.byteOffset) %

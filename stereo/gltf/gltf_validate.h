@@ -22,7 +22,7 @@ void validate_accessors(Document& document);
 // The parts of validate(), in order: each part relies on the parts before it.
 
 void validate_lights(Document& document);
-/// Meshes with their attributes and vertex indices. A primitive that cannot be drawn becomes an empty one.
+/// Meshes with their attributes and vertex indices. Removes primitives that cannot be drawn.
 [[nodiscard]] Checked validate_meshes(Document& document);
 /// Nodes and scenes.
 [[nodiscard]] Checked validate_nodes(Document& document, const SceneLimits& limits);

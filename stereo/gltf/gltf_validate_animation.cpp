@@ -32,54 +32,44 @@ Checked check_keys(const Document& document, const std::string& name, int index)
   return {};
 }
 
-/// What a sampler's values must be: `rows` numbers, `values_a_key` times for each key (three times as many
-/// for cubic splines), floats or, with `integers`, normalised integers. `of` names what has such values.
-struct Values {
-  std::string of;
-  std::uint32_t rows = 1;
-  std::uint64_t values_a_key = 1;
-  bool integers = false;
-};
+/// Whether an animated property may have this value.
+bool may_be(const std::string& property, const glm::vec4& value) {
+  if (property == "rotation") return std::abs(glm::length(value) - 1.0f) <= 0.05f;
+  if (property == "color") return std::min({value.x, value.y, value.z}) >= 0;
+  if (property == "range") return value.x > 0;
+  if (property == "spot/innerConeAngle") return value.x >= 0 && value.x < kMostCone_rad;
+  if (property == "spot/outerConeAngle") return value.x > 0 && value.x <= kMostCone_rad;
+  return property != "intensity" || value.x >= 0;
+}
 
+/// Checks the values of a sampler for `property`: there are `values_a_key` for each key (three times as many
+/// for cubic splines), which are floats or normalised integers; KHR_node_visibility has bytes that do not fade.
 Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
-                     const Values& expected) {
+                     const std::string& property, std::uint64_t values_a_key = 1) {
   const auto found = accessor_at(document, name + ": value", sampler.output);
   if (!found) return tl::unexpected(found.error());
   const Accessor& accessor = **found;
   const std::string subject = name + ": value " + label("accessor", sampler.output);
+  const bool is_vector = property == "translation" || property == "scale";
+  const std::uint32_t rows = property == "rotation" ? 4 : is_vector || property == "color" ? 3 : 1;
   const Component component = component_of(accessor);
-  const bool fits = component == Component::Float ||
-                    (expected.integers && accessor.normalized && component != Component::UInt32);
-  if (!fits || !has_shape(accessor, expected.rows))
-    return malformed(subject + " has a type that " + expected.of + " cannot have");
-  const std::uint64_t keys = at(document.accessors, sampler.input).count;
-  const std::uint64_t wanted = keys * parts_of(sampler) * expected.values_a_key;
-  if (accessor.count == wanted) return {};
-  return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
-                   std::to_string(wanted));
-}
-
-/// Calls `is_right(value)` for the values of a sampler, without the tangents of cubic splines.
-template <class IsRight>
-Checked check_each_value(const Document& document, const std::string& subject,
-                         const AnimationSampler& sampler, const std::string& is_wrong, IsRight is_right) {
+  const bool is_whole = accessor.normalized && component != Component::UInt32 && !is_vector;
+  const bool fits = property == kVisiblePath
+                        ? component == Component::UInt8 && sampler.interpolation == "STEP"
+                        : component == Component::Float || is_whole;
+  if (!fits || !has_shape(accessor, rows))
+    return malformed(subject + " has a type that " + property + " cannot have");
+  const std::size_t parts = parts_of(sampler);
+  const std::uint64_t wanted = at(document.accessors, sampler.input).count * parts * values_a_key;
+  if (accessor.count != wanted)
+    return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
+                     std::to_string(wanted));
   const auto values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));
-  for (std::size_t i = parts_of(sampler) / 2; i < values.size(); i += parts_of(sampler))
-    if (!is_right(values[i])) return malformed(subject + ": element " + std::to_string(i) + is_wrong);
+  for (std::size_t i = parts / 2; i < values.size(); i += parts)  // without tangents
+    if (!may_be(property, values[i]))
+      return malformed(subject + ": element " + std::to_string(i) + " is a value that " + property +
+                       " cannot have");
   return {};
-}
-
-Checked check_values(const Document& document, const std::string& name, const AnimationSampler& sampler,
-                     bool is_rotation) {
-  const std::string subject = name + ": value " + label("accessor", sampler.output);
-  const Values expected{.of = "its path", .rows = is_rotation ? 4u : 3u, .integers = is_rotation};
-  return check_output(document, name, sampler, expected).and_then([&] {
-    return is_rotation ? check_each_value(document, subject, sampler, " is not a unit quaternion",
-                                          [](const glm::vec4& value) {
-                                            return std::abs(glm::length(value) - 1.0f) <= 0.05f;
-                                          })
-                       : Checked{};
-  });
 }
 
 /// The weights of morph targets: numbers, as many a key as the node's mesh has targets.
@@ -88,39 +78,7 @@ Checked check_weights(const Document& document, const std::string& name, const A
   const std::uint64_t targets = node.mesh < 0 ? 0 : targets_of(at(document.meshes, node.mesh));
   if (targets == 0)  // nothing of it is read
     return accessor_at(document, name + ": value", sampler.output).map([](const Accessor*) {});
-  return check_output(document, name, sampler, {.of = "weights", .values_a_key = targets, .integers = true});
-}
-
-/// Booleans, as KHR_animation_pointer asks for them.
-Checked check_visibility(const Document& document, const std::string& name, const AnimationSampler& sampler) {
-  const std::string subject = name + ": value " + label("accessor", sampler.output);
-  if (!points_into(document.accessors, sampler.output)) return malformed(subject + " is not there");
-  const Accessor& accessor = at(document.accessors, sampler.output);
-  if (sampler.interpolation == "STEP" && component_of(accessor) == Component::UInt8 &&
-      has_shape(accessor, 1) && accessor.count == at(document.accessors, sampler.input).count)
-    return {};
-  return malformed(subject + " should have an unsigned byte for each key, with interpolation STEP");
-}
-
-/// Whether a light's property may have this value.
-bool may_be(const std::string& property, const glm::vec4& value) {
-  if (property == "color") return std::min({value.x, value.y, value.z}) >= 0;
-  if (property == "range") return value.x > 0;
-  if (property == "spot/innerConeAngle") return value.x >= 0 && value.x < kMostCone_rad;
-  if (property == "spot/outerConeAngle") return value.x > 0 && value.x <= kMostCone_rad;
-  return value.x >= 0;  // intensity
-}
-
-/// The values of a light's property: numbers within its limits, or colours.
-Checked check_light_values(const Document& document, const std::string& name, const AnimationSampler& sampler,
-                           const std::string& property) {
-  const std::string subject = name + ": value " + label("accessor", sampler.output),
-                    owner = property + " of a light";
-  const Values expected{.of = owner, .rows = property == "color" ? 3u : 1u, .integers = true};
-  return check_output(document, name, sampler, expected).and_then([&] {
-    return check_each_value(document, subject, sampler, " is a value that " + owner + " cannot have",
-                            [&](const glm::vec4& value) { return may_be(property, value); });
-  });
+  return check_output(document, name, sampler, "weights", targets);
 }
 
 Checked check_sampler(const Document& document, const std::string& name, const Animation& animation,
@@ -143,7 +101,7 @@ Checked check_channel(const Document& document, const std::string& name, const A
     return malformed(name + ": " + label("light", channel.light, light.name) +
                      " is no spot light, so it has no cone");
   return check_sampler(document, name, animation, static_cast<int>(channel.sampler)).and_then([&] {
-    return check_light_values(document, name, animation.samplers[channel.sampler], channel.property);
+    return check_output(document, name, animation.samplers[channel.sampler], channel.property);
   });
 }
 
@@ -161,9 +119,8 @@ Checked check_channel(const Document& document, const std::string& name, const A
                      " has a matrix and cannot be animated");
   return check_sampler(document, name, animation, channel.sampler).and_then([&] {
     const AnimationSampler& sampler = at(animation.samplers, channel.sampler);
-    return path == "weights"      ? check_weights(document, name, sampler, node)
-           : path == kVisiblePath ? check_visibility(document, name, sampler)
-                                  : check_values(document, name, sampler, path == "rotation");
+    return path == "weights" ? check_weights(document, name, sampler, node)
+                             : check_output(document, name, sampler, path);
   });
 }
 
@@ -175,7 +132,7 @@ std::pair<std::uint32_t, std::string> target_of(const LightChannel& channel) {
 }
 
 /// The elements that a channel reads.
-std::uint64_t elements_of(const Document& document, const Animation& animation, int sampler) {
+std::uint64_t elements_read(const Document& document, const Animation& animation, int sampler) {
   if (sampler < 0 || !points_into(animation.samplers, sampler)) return 0;
   std::uint64_t sum = 0;
   for (const int accessor : {at(animation.samplers, sampler).input, at(animation.samplers, sampler).output})
@@ -194,7 +151,7 @@ Checked keep_channels(Document& document, const std::string& name, const Animati
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const Channel& channel = channels[c];
     const std::string of = name + label("channel", c);
-    const std::uint64_t elements = elements_of(document, animation, static_cast<int>(channel.sampler));
+    const std::uint64_t elements = elements_read(document, animation, static_cast<int>(channel.sampler));
     if (elements > left)
       return fail(Fault::OutOfRange, of + ": more keys than a file of this size should have");
     left -= elements;

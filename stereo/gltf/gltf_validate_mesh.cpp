@@ -14,7 +14,8 @@ namespace {
 constexpr float kMaxCoordinate = 1e9f;
 
 /// Component types that an attribute may have. `integers` says which integers KHR_mesh_quantization allows.
-enum class Integers { NormalizedUnsigned, NormalizedSigned, Any };
+/// Joints are never floats.
+enum class Integers { NormalizedUnsigned, NormalizedSigned, Any, Joints };
 
 struct Attribute {
   std::string semantic;
@@ -24,6 +25,8 @@ struct Attribute {
 
 bool is_allowed(const Accessor& accessor, Integers integers) {
   const Component c = component_of(accessor);
+  if (integers == Integers::Joints)
+    return (c == Component::UInt8 || c == Component::UInt16) && !accessor.normalized;
   if (c == Component::Float) return true;
   if (c == Component::UInt32) return false;
   if (integers == Integers::Any) return true;
@@ -121,21 +124,6 @@ void keep_attributes(Document& document, const std::string& name, std::span<cons
   }
 }
 
-/// JOINTS_0 holds whole numbers.
-void keep_joints(Document& document, const std::string& name, std::uint64_t vertices, Primitive& primitive) {
-  const Attribute expected[] = {{"JOINTS_0", 4, 4, Integers::Any}};
-  keep_attributes(document, name, expected, vertices, primitive.attributes);
-  const Index joints = attribute(primitive, "JOINTS_0");
-  if (!joints) return;
-  const Accessor& accessor = document.accessors[*joints];
-  const Component component = component_of(accessor);
-  if ((component == Component::UInt8 || component == Component::UInt16) && !accessor.normalized) return;
-  document.repairs.add("it is drawn without this attribute",
-                       name + ": JOINTS_0 " + label("accessor", *joints) +
-                           " should have four unsigned integers for each vertex");
-  primitive.attributes.erase("JOINTS_0");
-}
-
 Checked check_primitive(Document& document, const std::string& name, Primitive& primitive,
                         std::uint64_t& left) {
   if (!points_into(document.materials, primitive.material)) {
@@ -146,16 +134,16 @@ Checked check_primitive(Document& document, const std::string& name, Primitive& 
   Checked shape = primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN
                       ? Checked(malformed(name + ": unknown mode " + std::to_string(primitive.mode)))
                       : Checked{};
-  if (shape && (!attribute(primitive, "POSITION") || !draws_triangles(primitive))) return {};
+  if (shape && (!has_triangles(primitive))) return {};
   shape = shape.and_then([&] { return check_shape(document, name, primitive, left); });
   if (!shape) return mended(std::move(shape), document.repairs, kNotDrawn, [&] { primitive = {}; });
   const std::uint64_t vertices = at(document.accessors, primitive.attributes.at("POSITION")).count;
   const Attribute attributes[] = {{"NORMAL", 3, 3, Integers::NormalizedSigned},
                                   {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
                                   {texcoord_semantic(document, primitive), 2, 2, Integers::Any},
-                                  {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned}};
+                                  {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned},
+                                  {"JOINTS_0", 4, 4, Integers::Joints}};
   keep_attributes(document, name, attributes, vertices, primitive.attributes);
-  keep_joints(document, name, vertices, primitive);
   const Attribute moved[] = {{"POSITION", 3, 3, Integers::Any}, {"NORMAL", 3, 3, Integers::Any}};
   for (auto& target : primitive.targets)
     keep_attributes(document, name + ", morph target", moved, vertices, target);
@@ -199,9 +187,9 @@ std::uint64_t cost_of(const Document& document, const Node& node, bool has_track
   const bool deforms = node.skin >= 0 || has_track || !node.weights.empty() || !mesh.weights.empty();
   std::uint64_t cost = 1 + mesh.primitives.size() + node.weights.size() + mesh.weights.size();
   for (const Primitive& primitive : mesh.primitives) {
-    const Index position = attribute(primitive, "POSITION"), index = index_of(primitive.indices);
-    if (!deforms || !position || !draws_triangles(primitive)) continue;
-    const std::uint64_t vertices = document.accessors[*position].count;
+    const Index index = index_of(primitive.indices);
+    if (!deforms) break;
+    const std::uint64_t vertices = document.accessors[*attribute(primitive, "POSITION")].count;
     const std::uint64_t indices = index ? document.accessors[*index].count : vertices;
     const std::uint64_t corners = primitive.mode == TINYGLTF_MODE_TRIANGLES ? indices : 3 * indices;
     cost += (vertices + corners) * (1 + primitive.targets.size());
@@ -215,7 +203,7 @@ Checked check_joints(const Document& document, const std::string& name, const No
   const auto joints = static_cast<float>(at(document.skins, node.skin).joints.size());
   for (const Primitive& primitive : at(document.meshes, node.mesh).primitives) {
     const Index named = attribute(primitive, "JOINTS_0");
-    if (!attribute(primitive, "POSITION") || !draws_triangles(primitive) || !named) continue;
+    if (!named) continue;
     for (const glm::vec4& of_vertex : read_vectors<4>(document, *named))
       if (std::max({of_vertex.x, of_vertex.y, of_vertex.z, of_vertex.w}) >= joints)
         return malformed(name + ": a vertex names a joint that its skin does not have");
@@ -275,10 +263,12 @@ void validate_lights(Document& document) {
 Checked validate_meshes(Document& document) {
   std::uint64_t left = element_budget(document);
   return check_each(document.meshes, [&](std::size_t m, Mesh& mesh) {
-    return check_each(mesh.primitives, [&](std::size_t p, Primitive& primitive) {
+    const Checked checked = check_each(mesh.primitives, [&](std::size_t p, Primitive& primitive) {
       const std::string name = label("mesh", m, mesh.name) + ", " + label("primitive", p);
       return check_primitive(document, name, primitive, left);
     });
+    std::erase_if(mesh.primitives, [](const Primitive& primitive) { return !has_triangles(primitive); });
+    return checked;
   });
 }
 

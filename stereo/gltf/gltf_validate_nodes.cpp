@@ -16,6 +16,17 @@ std::string node_label(const Document& document, std::size_t index) {
   return label("node", index, document.nodes[index].name);
 }
 
+/// The nodes without a parent.
+std::vector<int> all_roots(const Document& document) {
+  std::vector<bool> is_root(document.nodes.size(), true);
+  for (const Node& node : document.nodes)
+    for (const int child : node.children) is_root[static_cast<std::size_t>(child)] = false;
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < is_root.size(); ++i)
+    if (is_root[i]) roots.push_back(static_cast<int>(i));
+  return roots;
+}
+
 /// Whether a matrix has no volume, so that it cannot be inverted.
 bool is_flat(const glm::dmat4& m) {
   const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
@@ -86,11 +97,8 @@ void keep_children(Document& document, std::vector<Index>& parents) {
 
 /// Every node has at most one parent here, so a node that no root reaches is part of a cycle or below one.
 Checked check_forest(const Document& document, const std::vector<Index>& parents, std::uint32_t most_depth) {
-  std::vector<int> roots;
-  for (std::size_t i = 0; i < parents.size(); ++i)
-    if (!parents[i]) roots.push_back(static_cast<int>(i));
   std::vector<std::uint32_t> depth(parents.size(), 0);
-  for (const std::uint32_t i : parents_first(document, roots)) {
+  for (const std::uint32_t i : parents_first(document, all_roots(document))) {
     depth[i] = parents[i] ? depth[*parents[i]] + 1 : 1;
     if (depth[i] > most_depth)
       return fail(Fault::OutOfRange, node_label(document, i) + " is nested deeper than " +
@@ -125,9 +133,7 @@ void keep_roots(Document& document, std::size_t number, const std::vector<Index>
 
 void mend_scenes(Document& document, const std::vector<Index>& parents) {
   if (document.scenes.empty()) {
-    std::vector<int>& roots = document.scenes.emplace_back().nodes;
-    for (std::size_t i = 0; i < parents.size(); ++i)
-      if (!parents[i]) roots.push_back(static_cast<int>(i));
+    document.scenes.emplace_back().nodes = all_roots(document);
     document.repairs.add("all nodes are drawn", "the file has no scene");
   }
   if (!points_into(document.scenes, document.defaultScene)) {
@@ -205,13 +211,7 @@ Checked validate_reach(const Document& document) {
       double& bound = channel.target_path == "scale" ? of.scale : of.offset;
       bound = std::max(bound, largest);
     }
-  std::vector<bool> is_root(document.nodes.size(), true);
-  for (const Node& node : document.nodes)
-    for (const int child : node.children) is_root[static_cast<std::size_t>(child)] = false;
-  std::vector<int> roots;
-  for (std::size_t i = 0; i < is_root.size(); ++i)
-    if (is_root[i]) roots.push_back(static_cast<int>(i));
-  for (const std::uint32_t i : parents_first(document, roots)) {
+  for (const std::uint32_t i : parents_first(document, all_roots(document))) {
     if (!(stretch[i].scale <= kMaxReach && stretch[i].offset <= kMaxReach))
       return fail(Fault::OutOfRange, node_label(document, i) + " reaches further than 1e12 m");
     for (const int number : document.nodes[i].children) {

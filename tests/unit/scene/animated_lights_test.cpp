@@ -186,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
                      {1, 2, 3, 4, 5, 6},
                      "VEC3",
                      2,
-                     "has a type that intensity of a light cannot have"},
+                     "has a type that intensity cannot have"},
         WrongChannel{"NumberForColour", LIGHT "0/color", {1, 2}, "SCALAR", 2, "has a type that color"},
         WrongChannel{"ConeOfAPoint", LIGHT "1/spot/outerConeAngle", {1, 1}, "SCALAR", 2, "is no spot light"},
         WrongChannel{"TooFewValues", LIGHT "0/intensity", {1}, "SCALAR", 1, "has 1 elements, should have 2"},
@@ -206,9 +206,7 @@ TEST(AnimatedLights, IntegersAreNormalised) {
   };
   EXPECT_EQ(outcome_of(with_normalized(true)), "drawn");
   const std::string plain = outcome_of(with_normalized(false));
-  EXPECT_NE(plain.find("has a type that intensity of a light cannot have; it stands still"),
-            std::string::npos)
-      << plain;
+  EXPECT_NE(plain.find("has a type that intensity cannot have; it stands still"), std::string::npos) << plain;
 }
 
 TEST(AnimatedLights, OfTheSamePropertyTheFirstOneCounts) {
