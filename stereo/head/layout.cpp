@@ -78,8 +78,17 @@ constexpr std::string_view kAngles[] = {"roll", "pitch", "yaw", "euler"};
 constexpr std::string_view kOther[] = {"gaze",     "velocity",  "vel",  "left",       "right",
                                        "lefthand", "righthand", "hand", "controller", "covariance"};
 
-/// Words after a bare coordinate, as in "x [m]".
-constexpr std::string_view kLengths[] = {"m", "cm", "mm"};
+/// Units of positions, as in "x [m]", and how many are a metre.
+constexpr std::pair<std::string_view, double> kLengths[] = {
+    {"m", 1},     {"meter", 1},         {"meters", 1},         {"metre", 1},         {"metres", 1},
+    {"cm", 100},  {"centimeter", 100},  {"centimeters", 100},  {"centimetre", 100},  {"centimetres", 100},
+    {"mm", 1000}, {"millimeter", 1000}, {"millimeters", 1000}, {"millimetre", 1000}, {"millimetres", 1000}};
+
+std::optional<double> units_a_metre_of(std::string_view word) {
+  const auto* const found = std::ranges::find(kLengths, word, [](const auto& unit) { return unit.first; });
+  return found == std::end(kLengths) ? std::nullopt : std::optional(found->second);
+}
+
 /// Roles of coordinates without a word for position, in the order x, y, z.
 constexpr std::string_view kBare = "123";
 
@@ -108,7 +117,7 @@ char role_of(const std::vector<std::string>& words, std::string& group) {
   }
   if (letter) group[letter_at] = '?';
   const bool is_bare = kind == Kind::Unknown && words.front().size() == 1 &&
-                       (words.size() == 1 || (words.size() == 2 && std::ranges::count(kLengths, words[1])));
+                       (words.size() == 1 || (words.size() == 2 && units_a_metre_of(words[1])));
   if (letter && kind == Kind::Position) return letter;
   if (letter && letter != 'w' && is_bare) return kBare[static_cast<std::size_t>(letter - 'x')];
   if (letter && kind == Kind::Rotation) return static_cast<char>(std::toupper(letter));
@@ -155,12 +164,25 @@ std::size_t first_with(const Names& names, std::string_view roles) {
   return std::string::npos;
 }
 
+/// "[cm]", "(s)" or "[]".
+bool is_unit_alone(std::string_view field, const std::vector<std::string>& words) {
+  return (field.starts_with("[") || field.starts_with("(")) &&
+         (words.empty() || (words.size() == 1 && (units_a_metre_of(words[0]) || unit_named(words))));
+}
+
 Names names_of(std::string_view line) {
   std::vector<std::string_view> fields;
   split_row(line, line.find(',') == line.npos ? ' ' : ',', fields);
   Names names;
   for (const std::string_view field : fields) {
-    names.words.push_back(words_of(field));
+    std::vector<std::string> words = words_of(field);
+    if (is_unit_alone(field, words) && !names.words.empty()) {  // "x [m]" between blanks
+      std::ranges::move(words, std::back_inserter(names.words.back()));
+      names.groups.back().clear();
+      names.roles.back() = role_of(names.words.back(), names.groups.back());
+      continue;
+    }
+    names.words.push_back(std::move(words));
     names.groups.emplace_back();
     names.roles += role_of(names.words.back(), names.groups.back());
   }
@@ -193,6 +215,8 @@ Expected<Layout> layout_named(const Names& names, rows::Place place) {
                            "time stamps are split into seconds and nanoseconds: join them in one column");
   layout.unit = unit_named(names.words[layout.stamp]);
   layout.position = first("xyz");
+  if (layout.position != std::string::npos)
+    layout.units_a_metre = units_a_metre_of(names.words[layout.position].back());
   const std::size_t wxyz = first("WXYZ"), xyzw = first("XYZW");
   layout.order = wxyz < xyzw ? QuaternionOrder::Wxyz : QuaternionOrder::Xyzw;
   layout.rotation = std::min(wxyz, xyzw);

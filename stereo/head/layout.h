@@ -20,6 +20,7 @@ struct Layout {
   QuaternionOrder order = QuaternionOrder::Wxyz;
   TimeUnit usual_unit = TimeUnit::Nanoseconds;  ///< of files with this layout
   std::optional<TimeUnit> unit{};               ///< that the name of the stamps' column states
+  std::optional<double> units_a_metre{};        ///< that the names of the positions' columns state
   std::optional<std::size_t> tracked{};         ///< a column that is 0 or false where tracking was lost
   bool is_named = false;  ///< by column names. Rows may then have more columns; otherwise exactly `columns`
   std::size_t header_line = 0;  ///< the line with the column names if it is not a comment

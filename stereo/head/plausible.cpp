@@ -157,7 +157,8 @@ std::string read_as(const HeadRecording& recording, const FileFacts& facts, cons
   const auto how = [&](bool given, bool stated) { return given ? kGiven : stated ? kStated : kAssumed; };
   const double length_s = seconds_of(recording.end() - recording.start());
   const std::string metres =
-      facts.units_a_metre == 1 ? "positions in m" : fmt::format("{:g} units a metre", facts.units_a_metre);
+      (facts.units_a_metre == 1 ? "positions in m" : fmt::format("{:g} units a metre", facts.units_a_metre)) +
+      std::string(facts.states_scale ? kStated : "");
   return fmt::format(
       "{}: {}, {} samples in {:.1f} s, {:.4g} a second; time stamps in {}{}, quaternions {}{}, axes {}{}, {}",
       facts.file, facts.format, recording.samples.size(), length_s,

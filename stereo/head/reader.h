@@ -53,8 +53,9 @@ struct HeadFileOptions {
 /// Without stated axes, heads that look around widely and are tilted on the whole (by 3 to 45 degrees) are
 /// levelled: EyeNavGS has world axes of a scene that is not level. Sets `read_as` and `doubt`.
 ///
-/// Positions are divided by `units_a_metre`. If it is unset, it is that of the axes, or for EyeNavGS what the
-/// file name says (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); an EyeNavGS file with another name is refused.
+/// Positions are divided by `units_a_metre`. If it is unset, it is what the column names say, otherwise that
+/// of the axes, or for EyeNavGS what the file name says (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); an
+/// EyeNavGS file with another name is refused.
 [[nodiscard]] Expected<HeadRecording> load_head_recording(const std::filesystem::path& path,
                                                           const HeadFileOptions& options = {});
 

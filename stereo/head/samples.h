@@ -11,6 +11,7 @@ namespace farshade {
 struct FileFacts {
   std::string_view file, format;
   double units_a_metre = 1.0;
+  bool states_scale = false;  ///< the file says so, and no user
   TimeUnit usual_unit = TimeUnit::Nanoseconds;
   std::optional<TimeUnit> unit;                        ///< stated by the file
   QuaternionOrder order_read = QuaternionOrder::Wxyz;  ///< in which the rows were added

@@ -86,11 +86,13 @@ Expected<HeadRecording> read_table(std::string_view text, std::string_view name,
                                    const HeadFileOptions& options) {
   const Expected<Layout> layout = layout_of(text, name);
   if (!layout) return tl::unexpected(layout.error());
+  const bool states_scale = layout->units_a_metre && !options.units_a_metre;
   FileFacts facts{.file = name,
                   .format = layout->is_named           ? "named columns"
                             : layout->separator == ',' ? "EuRoC columns"
                                                        : "TUM columns",
-                  .units_a_metre = units_a_metre,
+                  .units_a_metre = states_scale ? *layout->units_a_metre : units_a_metre,
+                  .states_scale = states_scale,
                   .usual_unit = layout->usual_unit,
                   .unit = layout->unit,
                   .order_read = layout->order,

@@ -102,7 +102,7 @@ TEST(HeadLayout, TakesNoOtherVectorForPositionOrRotation) {
   const std::string rotation = ",qw,qx,qy,qz\n", rows = text_of({});
   for (const char* other : {"acc", "gyro", "v", "dir", "euler", "forward", "scale"})
     expect_refused(fmt::format("time,{0}_x,{0}_y,{0}_z", other) + rotation + rows, "t.csv:1: ");
-  for (const char* position : {"x,y,z", "x [m],y [m],z [m]", "x_cm,y_cm,z_cm"})
+  for (const char* position : {"x,y,z", "x [m],y [m],z [m]", "x_m,y_m,z_m"})
     expect_worn(parse_head_recording(std::string("time,") + position + rotation + rows, "t.csv"));
   // The position has a word, wherever it stands.
   std::string text = "x,y,z,rot_x,rot_y,rot_z,quat_w,quat_x,quat_y,quat_z,time,pos_x,pos_y,pos_z\n";
@@ -111,6 +111,39 @@ TEST(HeadLayout, TakesNoOtherVectorForPositionOrRotation) {
   ASSERT_TRUE(recording) << recording.error().what;
   EXPECT_EQ(recording->samples[5].recorded_from_head.translation, glm::dvec3(1, 2, 3));
   EXPECT_EQ(recording->samples[5].recorded_from_head.rotation, glm::dquat(1, 0, 0, 0));
+}
+
+TEST(HeadLayout, TakesTheUnitOfPositionsFromTheirNames) {
+  const auto in = [](double units_a_metre, char separator) {
+    return text_of({.separator = separator, .axes = {.units_a_metre = units_a_metre}});
+  };
+  for (const auto& [names, units] : std::vector<std::pair<std::string, double>>{
+           {"time,x [cm],y [cm],z [cm],qw,qx,qy,qz", 100},
+           {"#time [s],p_RS_R_x [mm],p_RS_R_y [mm],p_RS_R_z [mm],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []",
+            1000},
+           {"time,tx(cm),ty(cm),tz(cm),qw,qx,qy,qz", 100},
+           {"time,pos_x_mm,pos_y_mm,pos_z_mm,qw,qx,qy,qz", 1000},
+           {"time,PositionX_Centimeters,PositionY_Centimeters,PositionZ_Centimeters,qw,qx,qy,qz", 100},
+           {"time,pos_x_metres,pos_y_metres,pos_z_metres,qw,qx,qy,qz", 1},
+           {"# time [s] tx [mm] ty [mm] tz [mm] qw [] qx [] qy [] qz []", 1000},
+           {"time (s) x (cm) y (cm) z (cm) qw qx qy qz", 100}}) {
+    SCOPED_TRACE(names);
+    const std::string text = names + "\n" + in(units, names.find(',') == names.npos ? ' ' : ',');
+    const auto recording = parse_head_recording(text, "t.csv");
+    expect_worn(recording);
+    if (!recording) continue;
+    EXPECT_TRUE(recording->read_as.ends_with(
+        units == 1 ? ", positions in m (stated)" : fmt::format(", {:g} units a metre (stated)", units)))
+        << recording->read_as;
+    const auto given = parse_head_recording(text, "t.csv", {.units_a_metre = 2 * units});
+    ASSERT_TRUE(given) << given.error().what;
+    EXPECT_NEAR(given->samples[0].recorded_from_head.translation.y, 0.8, 1e-5) << "--trace-scale is stronger";
+    EXPECT_EQ(given->read_as.find("metre (stated)"), std::string::npos);
+  }
+  Axes unreal = parse_axes("unreal").value();
+  unreal.units_a_metre = 1;
+  expect_worn(parse_head_recording("time,x [m],y [m],z [m],qw,qx,qy,qz\n" + text_of({.axes = unreal}),
+                                   "t.csv", {.axes = parse_axes("unreal").value()}));
 }
 
 TEST(HeadLayout, RefusesACommentWhoseNamesItOnlyPartlyKnows) {
