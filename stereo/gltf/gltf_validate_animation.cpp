@@ -43,7 +43,8 @@ bool may_be(const std::string& property, const glm::vec4& value) {
 }
 
 /// Checks the values of a sampler for `property`: there are `values_a_key` for each key (three times as many
-/// for cubic splines), which are floats or normalised integers; KHR_node_visibility has bytes that do not fade.
+/// for cubic splines), which are floats or normalised integers; KHR_node_visibility has bytes that do not
+/// fade.
 Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
                      const std::string& property, std::uint64_t values_a_key = 1) {
   const auto found = accessor_at(document, name + ": value", sampler.output);
