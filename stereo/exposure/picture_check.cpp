@@ -150,26 +150,37 @@ PictureFinding clipped_finding(const PictureTrial& trial, const Scene& scene, co
 /// A light that reaches nothing that is seen.
 struct Unseen {
   std::size_t light = 0;
-  std::size_t facing = 0;                  ///< points that it would reach
-  std::optional<std::uint32_t> blocker{};  ///< of at least nine in ten of them
+  std::size_t facing = 0;  ///< points that it would reach
+  /// An instance whose material blocks at least nine in ten of them.
+  std::optional<std::uint32_t> blocker{};
 };
 
-std::vector<Unseen> unseen_lights(const ArrivingLight& light) {
+std::uint32_t material_of(const Scene& scene, std::uint32_t instance) {
+  return scene.meshes[scene.instances[instance].mesh].material;
+}
+
+std::vector<Unseen> unseen_lights(const ArrivingLight& light, const Scene& scene) {
   std::vector<Unseen> unseen;
   for (std::size_t l = 0; l < light.lights(); ++l) {
     Unseen one{.light = l};
-    std::map<std::uint32_t, std::size_t> blocked;
+    struct Blocks {
+      std::size_t count = 0;
+      std::uint32_t instance = 0;
+    };
+    std::map<std::uint32_t, Blocks> blocked;  // by material
     bool reaches = false;
     for (std::size_t i = 0; i < light.points().size() && !reaches; ++i) {
       const Arrival& arrival = light.at(i)[l];
       if (arrival.irradiance == glm::vec3(0.0f)) continue;
       reaches = !arrival.blocker;
       ++one.facing;
-      if (arrival.blocker) ++blocked[*arrival.blocker];
+      if (!arrival.blocker) continue;
+      Blocks& blocks = blocked[material_of(scene, *arrival.blocker)];
+      blocks = {blocks.count + 1, *arrival.blocker};
     }
     if (reaches) continue;
-    for (const auto& [instance, count] : blocked)
-      if (10 * count >= 9 * one.facing) one.blocker = instance;
+    for (const auto& [material, blocks] : blocked)
+      if (10 * blocks.count >= 9 * one.facing) one.blocker = blocks.instance;
     unseen.push_back(one);
   }
   return unseen;
@@ -189,12 +200,14 @@ std::string name_of_thing(const Scene& scene, std::uint32_t instance) {
                                       : "'" + (node.empty() ? mesh : node) + "'";
 }
 
-/// One thing stands before every point, and would be a sky if its material were unlit: what would the light
-/// reach then?
+/// Things of one material stand before every point, and would be a sky if its material were unlit: what would
+/// the light reach then?
 std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Scene& scene,
                                             const Unseen& unseen) {
-  if (!unseen.blocker || !would_be_sky(scene, *unseen.blocker)) return std::nullopt;
-  const auto without = Surroundings::create(scene, {.without = unseen.blocker});
+  if (!unseen.blocker) return std::nullopt;
+  const std::vector<std::uint32_t> shell = would_be_sky(scene, material_of(scene, *unseen.blocker));
+  if (shell.empty()) return std::nullopt;
+  const auto without = Surroundings::create(scene, {.without = shell});
   if (!without) return std::nullopt;
   Scene alone;  // only the light
   alone.nodes = scene.nodes;
@@ -216,7 +229,7 @@ std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Sc
 std::vector<PictureFinding> unseen_findings(const ArrivingLight& light, const Scene& scene, bool dark) {
   std::vector<PictureFinding> findings;
   std::vector<std::string> others;
-  for (const Unseen& unseen : unseen_lights(light)) {
+  for (const Unseen& unseen : unseen_lights(light, scene)) {
     if (findings.empty())
       if (auto shell = shell_finding(light, scene, unseen)) {
         findings.push_back(*std::move(shell));

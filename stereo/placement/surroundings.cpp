@@ -21,10 +21,11 @@ constexpr int kMostBacks = 16;
 constexpr float kBehind = 1 + 1e-5f;
 
 /// The scene at time 0 without its sky: an instance with a singular transform does not exist.
-SceneState state_without_sky(const Scene& scene, std::optional<std::uint32_t> without) {
+SceneState state_without_sky(const Scene& scene, const std::vector<std::uint32_t>& without) {
   SceneState state = state_at(scene, Time{});
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (!scene.instances[i].casts || i == without) state.stage_from_object[i].matrix = glm::dmat4(0.0);
+    if (!scene.instances[i].casts || std::ranges::count(without, i) > 0)
+      state.stage_from_object[i].matrix = glm::dmat4(0.0);
   return state;
 }
 
@@ -43,7 +44,7 @@ struct Surroundings::Impl {
   SurfaceModel model;
   std::optional<RayScene> rays;
 
-  Impl(const Scene& scene, std::optional<std::uint32_t> without)
+  Impl(const Scene& scene, const std::vector<std::uint32_t>& without)
       : bounds(bounds_without_sky(scene)), model(scene, state_without_sky(scene, without), plan_of(scene)) {}
 
   /// Traces the rays [begin, begin + kLanes) beyond the distances in `met`.

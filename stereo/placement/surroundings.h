@@ -36,7 +36,7 @@ struct Met {
 struct SurroundingsOptions {
   /// A scene with more triangles is refused: its acceleration structure would need seconds and gigabytes.
   std::uint64_t most_triangles = 4'000'000;
-  std::optional<std::uint32_t> without{};  ///< an instance that is left out
+  std::vector<std::uint32_t> without{};  ///< instances that are left out
 };
 
 class Surroundings {

@@ -77,11 +77,11 @@ Bounds bounds_without_sky(const Scene& scene) {
 namespace {
 
 /// The instances of the sky, which have materials that may be a sky.
-std::vector<std::size_t> sky_of(const Scene& scene, const std::function<bool(std::uint32_t)>& may_be_sky) {
+std::vector<std::uint32_t> sky_of(const Scene& scene, const std::function<bool(std::uint32_t)>& may_be_sky) {
   const SceneState state = state_at(scene, Time{});
   Bounds lit = kNoPoint;
-  std::vector<std::size_t> unlit;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+  std::vector<std::uint32_t> unlit;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     if (may_be_sky(scene.meshes[instance.mesh].material) && !instance.rig)
       unlit.push_back(i);
@@ -91,15 +91,15 @@ std::vector<std::size_t> sky_of(const Scene& scene, const std::function<bool(std
   if (unlit.empty() || unlit.size() == scene.instances.size()) return {};
   const glm::dvec3 middle = (lit.low + lit.high) * 0.5;
   std::vector<std::pair<double, double>> reach;
-  for (const std::size_t i : unlit)
+  for (const std::uint32_t i : unlit)
     reach.push_back(distances(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], middle));
   const double far = std::max(glm::length(lit.high - middle),
                               kFar * std::ranges::max(reach, {}, &std::pair<double, double>::second).second);
-  std::vector<std::size_t> sky;
+  std::vector<std::uint32_t> sky;
   Bounds around = kNoPoint;
   double filled = 0;
   for (std::size_t n = 0; n < unlit.size(); ++n) {
-    const std::size_t i = unlit[n];
+    const std::uint32_t i = unlit[n];
     const double part =
         part_of_sphere(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], middle);
     if (part < kLeastPart && reach[n].first < far) continue;
@@ -113,11 +113,11 @@ std::vector<std::size_t> sky_of(const Scene& scene, const std::function<bool(std
 
 }  // namespace
 
-bool would_be_sky(const Scene& scene, std::uint32_t instance) {
-  const std::uint32_t of_instance = scene.meshes[scene.instances[instance].mesh].material;
-  const auto sky =
-      sky_of(scene, [&](std::uint32_t m) { return scene.materials[m].unlit || m == of_instance; });
-  return std::ranges::find(sky, instance) != sky.end();
+std::vector<std::uint32_t> would_be_sky(const Scene& scene, std::uint32_t material) {
+  const auto sky = sky_of(scene, [&](std::uint32_t m) { return scene.materials[m].unlit || m == material; });
+  const bool has_it = std::ranges::any_of(
+      sky, [&](std::uint32_t i) { return scene.meshes[scene.instances[i].mesh].material == material; });
+  return has_it ? sky : std::vector<std::uint32_t>();
 }
 
 void find_sky(Scene& scene) {
@@ -125,11 +125,11 @@ void find_sky(Scene& scene) {
   const auto is_dark = [&](std::uint32_t m) {
     return is_unlit(m) || glm::vec3(scene.materials[m].base_color) == glm::vec3(0.0f);
   };
-  std::vector<std::size_t> sky = sky_of(scene, is_unlit);
+  std::vector<std::uint32_t> sky = sky_of(scene, is_unlit);
   const bool black = sky.empty();
   if (black) sky = sky_of(scene, is_dark);
   if (sky.empty()) return;
-  for (const std::size_t i : sky) scene.instances[i].casts = false;
+  for (const std::uint32_t i : sky) scene.instances[i].casts = false;
   scene.warnings.push_back(fmt::format("'{}' is {} and closed around everything: it casts no shadow",
                                        scene.nodes[scene.instances[sky.front()].node].name,
                                        black ? "black" : "unlit"));

@@ -20,8 +20,8 @@ namespace farshade {
 /// `scene` is complete, including its bounds.
 void find_sky(Scene& scene);
 
-/// Whether the instance would belong to the sky if its material were unlit.
-[[nodiscard]] bool would_be_sky(const Scene& scene, std::uint32_t instance);
+/// The sky if the material were unlit; empty if there would be none of this material.
+[[nodiscard]] std::vector<std::uint32_t> would_be_sky(const Scene& scene, std::uint32_t material);
 
 /// The box around everything but the sky at time 0; Scene::bounds if there is no sky.
 [[nodiscard]] Bounds bounds_without_sky(const Scene& scene);

@@ -151,6 +151,28 @@ TEST(PictureCheck, TellsWhichThingBlocksALight) {
   EXPECT_TRUE(has(found[0], "KHR_materials_unlit"));
 }
 
+TEST(PictureCheck, TellsOfAShellInTwoHalvesToo) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.add(box({0, 0.5f, 0}, {0.5f, 0.5f, 0.5f}));
+  Material both;
+  both.double_sided = true;
+  const std::uint32_t of_shell = builder.material(both);
+  const Mesh shell = box({0, 0, 0}, {50, 50, 50});
+  std::array<std::vector<glm::vec3>, 2> halves;  // each with triangles of all sides
+  for (std::size_t t = 0; t < shell.triangles.size(); ++t)
+    for (int corner = 0; corner < 3; ++corner)
+      halves[t % 2].push_back(shell.positions[shell.triangles[t][corner]]);
+  for (const std::vector<glm::vec3>& half : halves) builder.add(triangle_soup(half), of_shell);
+  builder.directional_light({0.01, -1, 0.01});
+  builder.point_light({0, 2, 0});
+  Scene scene = builder.build();
+  scene.lights[1].intensity = glm::vec3(3.0f);
+  const std::vector<PictureFinding> found = findings(scene);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(has(found[0], "KHR_materials_unlit")) << found[0].sentence;
+}
+
 /// Without light, a roof is no sky: that is no cure.
 TEST(PictureCheck, NamesNoCureForARoofThatBlocksALight) {
   SceneBuilder builder;
