@@ -5,9 +5,9 @@
 /// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG, JPEG and EXT_texture_webp; indexed and
 /// non-indexed triangles, strips and fans; sparse accessors; KHR_mesh_quantization, EXT_meshopt_compression,
 /// KHR_draco_mesh_compression; EXT_mesh_gpu_instancing; KHR_texture_transform, KHR_materials_variants,
-/// KHR_lights_punctual; KHR_animation_pointer to nodes and lights; animation of translation, rotation,
-/// scale and weights; skins and morph targets. Extensions that only change the look are left out with a
-/// warning (Scene::warnings). Refused: every other required extension.
+/// KHR_lights_punctual, KHR_node_visibility; KHR_animation_pointer to nodes and lights; animation of
+/// translation, rotation, scale and weights; skins and morph targets. What else changes the picture is left
+/// out with one warning a kind (Scene::warnings; docs/limits.md). Refused: every other required extension.
 #pragma once
 
 #include <cstddef>

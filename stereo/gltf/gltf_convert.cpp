@@ -135,9 +135,6 @@ void add_deformed(Document& document, const Node& from, std::uint32_t node, cons
   const RigPlace place = add_rig(rig, node, poses, scene);
   const Mesh& mesh = at(document.meshes, from.mesh);
   for (const Primitive& primitive : mesh.primitives) {
-    if (attribute(primitive, "JOINTS_1"))
-      scene.warnings.push_back("mesh '" + printable(mesh.name) +
-                               "': vertices follow their first four joints only");
     auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
     if (!deformed) document.repairs.add(kNotDrawn, deformed.error());
     if (!deformed) continue;

@@ -1,60 +1,227 @@
 #include "stereo/gltf/gltf_extensions.h"
 
 #include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <set>
-#include <string_view>
 
-#include "stereo/base/printable.h"
+#include "stereo/gltf/gltf_model.h"
 
 namespace farshade::gltf {
 namespace {
 
-constexpr std::string_view kKnownExtensions[] = {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
-                                                 "EXT_texture_webp",        "KHR_draco_mesh_compression",
-                                                 "KHR_lights_punctual",     "KHR_materials_variants",
-                                                 "KHR_mesh_quantization",   "KHR_meshopt_compression",
-                                                 "KHR_node_visibility",     "KHR_texture_transform"};
+using Json = nlohmann::json;
 
-bool is_known(std::string_view name) {
-  return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions);
+/// An extension. With `without` empty the loader obeys it, warns where it is used, or nothing can be seen of
+/// it.
+struct Extension {
+  std::string_view name;
+  bool may_be_required = false;
+  std::string_view without{};  ///< what is different in the picture
+};
+constexpr std::string_view kColorsOnly = "materials have base colours only",
+                           kNoTexture = "textures have the file's PNG or JPEG, or none",
+                           kFileLights = "only the lights of KHR_lights_punctual shine",
+                           kNoMaterials = "materials have the file's base colours", kUnknown = "unknown";
+constexpr Extension kExtensions[] = {
+    {"EXT_mesh_gpu_instancing", true},
+    {"EXT_meshopt_compression", true},
+    {"EXT_texture_webp", true},
+    {"KHR_animation_pointer", true},  // gltf_pointers.cpp warns
+    {"KHR_draco_mesh_compression", true},
+    {"KHR_lights_punctual", true},
+    {"KHR_materials_variants", true},
+    {"KHR_mesh_quantization", true},
+    {"KHR_meshopt_compression", true},
+    {"KHR_node_visibility", true},
+    {"KHR_texture_transform", true},
+    // looks
+    {"EXT_texture_avif", true},                 // gltf_materials.cpp warns
+    {"KHR_materials_emissive_strength", true},  // kLooks
+    {"KHR_materials_pbrSpecularGlossiness", true, kColorsOnly},
+    {"KHR_materials_transmission", true},  // kLooks
+    {"KHR_materials_unlit", true, "materials without light are lit"},
+    {"KHR_materials_", true, kColorsOnly},
+    {"KHR_texture_basisu", true},  // gltf_materials.cpp warns
+    {"ADOBE_materials_clearcoat_specular", false, kColorsOnly},
+    {"ADOBE_materials_clearcoat_tint", false, kColorsOnly},
+    {"ADOBE_materials_thin_transparency", false, kColorsOnly},
+    {"EXT_materials_bump", false, kColorsOnly},
+    {"MSFT_packing_normalRoughnessMetallic", false, kColorsOnly},
+    {"MSFT_packing_occlusionRoughnessMetallic", false, kColorsOnly},
+    {"EXT_texture_astc", false, kNoTexture},
+    {"EXT_texture_procedurals", false, kNoTexture},
+    {"EXT_texture_video", false, kNoTexture},
+    {"KHR_texture_procedurals", false, kNoTexture},
+    {"MPEG_texture_video", false, kNoTexture},
+    {"MSFT_texture_dds", false, kNoTexture},
+    {"KHR_techniques_webgl", false, kNoMaterials},
+    {"NV_materials_mdl", false, kNoMaterials},
+    {"EXT_lights_ies", false, "lights shine as without a profile"},
+    {"EXT_lights_image_based", false, kFileLights},
+    {"KHR_environment_map", false, kFileLights},
+    {"KHR_lights", false, kFileLights},
+    {"MSFT_lod", false, "nodes have their finest level"},
+    // shapes
+    {"CESIUM_primitive_outline", false, "outlines are missing"},
+    {"CESIUM_RTC", false, "the scene stands at the origin"},
+    {"EXT_mesh_primitive_edge_visibility", false, "edges are missing"},
+    {"EXT_mesh_primitive_restart", false, "strips and fans are not cut"},
+    {"KHR_mesh_primitive_restart", false, "strips and fans are not cut"},
+    {"EXT_primitive_voxels", false, "voxels are missing"},
+    {"KHR_accessor_float64", false, "numbers of 64 bits are not read"},
+    {"KHR_gaussian_splatting", false, "splats are missing"},
+    // motion
+    {"AGI_articulations", false, "articulations stand still"},
+    {"KHR_interactivity", false, "nothing reacts"},
+    {"KHR_physics_rigid_bodies", false, "bodies do not fall"},
+    {"MSFT_physics", false, "bodies do not fall"},
+    // nothing that can be seen
+    {"AGI_stk_metadata", true},
+    {"EXT_instance_features", true},
+    {"EXT_mesh_features", true},
+    {"EXT_mesh_manifold", true},
+    {"EXT_structural_metadata", true},
+    {"FB_geometry_metadata", true},
+    {"GODOT_single_root", true},
+    {"KHR_audio_emitter", true},
+    {"KHR_implicit_shapes", true},
+    {"KHR_node_hoverability", true},
+    {"KHR_node_selectability", true},
+    {"KHR_xmp", true},
+    {"KHR_xmp_json_ld", true},
+    {"MSFT_audio_emitter", true},
+};
+
+/// A name that ends in '_' stands for all that begin with it.
+const Extension* known(std::string_view name) {
+  const auto* found = std::ranges::find_if(kExtensions, [&](const Extension& one) {
+    return one.name.ends_with('_') ? name.starts_with(one.name) : name == one.name;
+  });
+  return found == std::end(kExtensions) ? nullptr : found;
 }
 
-/// Extensions without which the scene is drawn, and what is different then.
-struct LookExtension {
-  std::string_view name, without;
+/// Member `name` of a value of any type; null if it is not there.
+const Json& part(const Json& of, const char* name) {
+  static const Json none;
+  const auto found = of.is_object() ? of.find(name) : of.end();
+  return found == of.end() ? none : *found;
+}
+bool is_above_0(const Json& number) {
+  return number.is_number() && number.get<double>() > 0;
+}
+template <class Is>
+bool any_of(const Json& list, Is is) {
+  return list.is_array() && std::any_of(list.begin(), list.end(), is);
+}
+
+bool has_maps(const Json& material) {
+  const Json &surface = part(material, "pbrMetallicRoughness"), &rough = part(surface, "roughnessFactor");
+  return material.contains("normalTexture") || material.contains("occlusionTexture") ||
+         surface.contains("metallicRoughnessTexture") || is_above_0(part(surface, "metallicFactor")) ||
+         (rough.is_number() && rough < 1);
+}
+bool glows(const Json& material) {
+  return any_of(part(material, "emissiveFactor"), is_above_0);
+}
+bool blends(const Json& material) {
+  const Json &surface = part(material, "pbrMetallicRoughness"), &color = part(surface, "baseColorFactor");
+  const bool is_clear = color.is_array() && color.size() == 4 && color[3] != 1;
+  return part(material, "alphaMode") == "BLEND" && (is_clear || surface.contains("baseColorTexture"));
+}
+bool transmits(const Json& material) {
+  return is_above_0(
+      part(part(part(material, "extensions"), "KHR_materials_transmission"), "transmissionFactor"));
+}
+bool has_lines(const Json& mesh) {
+  return any_of(part(mesh, "primitives"), [](const Json& primitive) {
+    const Json& mode = part(primitive, "mode");
+    return mode.is_number_unsigned() && mode.get<std::uint64_t>() < TINYGLTF_MODE_TRIANGLES;
+  });
+}
+bool morphs_looks(const Json& mesh) {
+  return any_of(part(mesh, "primitives"), [](const Json& primitive) {
+    return any_of(part(primitive, "targets"), [](const Json& target) {
+      return target.contains("COLOR_0") || target.contains("TEXCOORD_0") || target.contains("TEXCOORD_1");
+    });
+  });
+}
+bool has_many_joints(const Json& mesh) {
+  return any_of(part(mesh, "primitives"),
+                [](const Json& primitive) { return part(primitive, "attributes").contains("JOINTS_1"); });
+}
+bool is_nearest(const Json& sampler) {
+  return part(sampler, "magFilter") == TINYGLTF_TEXTURE_FILTER_NEAREST;
+}
+
+/// What objects of the core specification ask for and is drawn in another way.
+struct Look {
+  const char *list, *kind;
+  bool (*has)(const Json&);
+  const char* words;
 };
-constexpr LookExtension kLookExtensions[] = {
-    {"KHR_materials_emissive_strength", "surfaces do not glow"},
-    {"KHR_materials_unlit", "materials without light are lit"},
-    {"KHR_materials_", "materials have base colours only"},
-    {"KHR_texture_basisu", ""},     // gltf_materials.cpp warns
-    {"EXT_texture_avif", ""},       // gltf_materials.cpp warns
-    {"KHR_animation_pointer", ""},  // gltf_pointers.cpp warns
+constexpr Look kLooks[] = {
+    {"materials", "material", has_maps,
+     "shines or has a metal, roughness, normal or occlusion map: materials have base colours only"},
+    {"materials", "material", glows, "emits light: surfaces do not glow"},
+    {"materials", "material", blends,
+     "has alphaMode BLEND: it is a hole where its alpha is below 0.5, and opaque elsewhere"},
+    {"materials", "material", transmits,
+     "lets light through (KHR_materials_transmission): with a factor above 0.5 it is a hole, else opaque"},
+    {"meshes", "mesh", has_lines, "has points or lines: only triangles are drawn"},
+    {"meshes", "mesh", morphs_looks,
+     "has morph targets of colours or texture coordinates: only shapes are morphed"},
+    {"meshes", "mesh", has_many_joints, "has JOINTS_1: vertices follow their first four joints only"},
+    {"samplers", "sampler", is_nearest, "has the filter NEAREST: all textures are smoothed"},
 };
 
-const LookExtension* look_of(std::string_view name) {
-  const auto* found = std::ranges::find_if(
-      kLookExtensions, [&](const LookExtension& look) { return name.starts_with(look.name); });
-  return found == std::end(kLookExtensions) ? nullptr : found;
+/// A sentence about the first object that has the look, and the number of others.
+void warn(const Json& root, const Look& look, std::vector<std::string>& warnings) {
+  const Json& list = part(root, look.list);
+  std::string first;
+  std::size_t count = 0;
+  for (std::size_t i = 0; list.is_array() && i < list.size(); ++i)
+    if (list[i].is_object() && look.has(list[i]) && ++count == 1) {
+      const Json& name = part(list[i], "name");
+      first = label(look.kind, i, name.is_string() ? name.get<std::string>() : "");
+    }
+  if (count == 0) return;
+  const std::string others = count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "";
+  warnings.push_back(first + others + " " + look.words);
 }
 
 }  // namespace
 
+std::vector<std::string_view> known_extensions() {
+  std::vector<std::string_view> names;
+  for (const Extension& one : kExtensions) names.push_back(one.name);
+  return names;
+}
+
 Expected<void> check_extensions(const std::vector<std::string>& required) {
   for (const std::string& name : required)
-    if (!is_known(name) && !look_of(name))
+    if (const Extension* const of = known(name); !of || !of->may_be_required)
       return fail(Fault::Unsupported, "the required extension '" + printable(name) +
                                           "' is not supported: export the file without it");
   return {};
 }
 
-std::vector<std::string> warnings_of_extensions(const std::vector<std::string>& used) {
-  std::vector<std::string> warnings;
-  for (const std::string& name : std::set<std::string>(used.begin(), used.end())) {
-    const LookExtension* const look = is_known(name) ? nullptr : look_of(name);
-    if (look && !look->without.empty())
-      warnings.push_back(printable(name) + " is not drawn: " + std::string(look->without));
+std::vector<std::string> look_warnings(const Json& root) {
+  std::map<std::string_view, std::string> names;  // of the extensions, by what is different
+  const Json& used = part(root, "extensionsUsed");
+  for (const Json& name : std::set<Json>(used.begin(), used.end())) {
+    if (!name.is_string()) continue;
+    const Extension* const of = known(name.get_ref<const std::string&>());
+    const std::string_view without = of ? of->without : kUnknown;
+    if (without.empty()) continue;
+    std::string& text = names[without];
+    text += (text.empty() ? "" : ", ") + printable(name.get_ref<const std::string&>());
   }
+  std::vector<std::string> warnings;
+  for (const auto& [without, text] : names)
+    warnings.push_back(text + (text.find(',') == text.npos ? " is" : " are") +
+                       " not drawn: " + std::string(without));
+  for (const Look& look : kLooks) warn(root, look, warnings);
   return warnings;
 }
 

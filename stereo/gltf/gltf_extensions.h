@@ -1,17 +1,23 @@
-/// Which extensions the loader can do without, and which it knows.
+/// What a file may ask for: which extensions the loader knows, and what of a file it does not draw.
+/// docs/limits.md has a table of both.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stereo/base/expected.h"
 
 namespace farshade::gltf {
 
+/// The names of all extensions that the loader knows something about.
+[[nodiscard]] std::vector<std::string_view> known_extensions();
+
 /// Unsupported, naming the first extension of `required` without which the scene would be wrong.
 [[nodiscard]] Expected<void> check_extensions(const std::vector<std::string>& required);
 
-/// A warning for each extension of `used` that changes the look and is not drawn.
-[[nodiscard]] std::vector<std::string> warnings_of_extensions(const std::vector<std::string>& used);
+/// What the file has and is not drawn as it says: one sentence a kind. `root` may have any members.
+[[nodiscard]] std::vector<std::string> look_warnings(const nlohmann::json& root);
 
 }  // namespace farshade::gltf

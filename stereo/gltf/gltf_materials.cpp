@@ -44,6 +44,15 @@ bool is_known(std::span<const std::uint8_t> file) {
   return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
 }
 
+/// Light passes through a material that transmits more than this, and so do eyes, as with BLEND.
+constexpr double kOpaqueTransmission = 0.5;
+
+bool lets_light_through(const Material& material) {
+  const Value* transmission = extension(material.extensions, "KHR_materials_transmission");
+  const Value* factor = transmission ? member(*transmission, "transmissionFactor") : nullptr;
+  return factor && factor->GetNumberAsDouble() > kOpaqueTransmission;
+}
+
 /// SceneLimits::all_image_pixels says why.
 constexpr std::uint64_t kMostPixelsPerByte = 16;
 /// Damaged images up to SceneLimits::image_pixels that a file may have. They cost as much time as others.
@@ -104,6 +113,7 @@ std::uint32_t MaterialConverter::material(Index index) {
     result.name = from.name;
     result.base_color = glm::vec4(within);
     result.alpha_cutoff = cutoff_from(from);
+    if (lets_light_through(from)) result.base_color.a = 0, result.alpha_cutoff = 0.5f;
     result.double_sided = from.doubleSided;
     result.unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
     const auto use = texture_of(from);

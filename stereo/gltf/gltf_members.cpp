@@ -177,7 +177,9 @@ constexpr Member kTextureInfo[] = {required("index", kIndex), optional("texCoord
 constexpr Member kSurface[] = {optional("baseColorFactor", kVector4),
                                object("baseColorTexture", kTextureInfo)};
 constexpr Member kDiffuse[] = {optional("diffuseFactor", kVector4), object("diffuseTexture", kTextureInfo)};
+constexpr Member kTransmission[] = {optional("transmissionFactor", kNotNegative)};
 constexpr Member kMaterialExtensions[] = {object("KHR_materials_unlit", {}),
+                                          object("KHR_materials_transmission", kTransmission),
                                           object("KHR_materials_pbrSpecularGlossiness", kDiffuse)};
 constexpr Member kMaterial[] = {kName,
                                 optional("alphaMode", kText),

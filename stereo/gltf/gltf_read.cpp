@@ -239,6 +239,7 @@ Expected<Document> read_document(const Container& container, SceneFolder& folder
   if (!root) return tl::unexpected(root.error());
   if (is_version_1(*root)) return fail(Fault::Unsupported, "glTF version 1.0, only 2.0 is read");
   Repairs repairs = container.repairs;
+  std::vector<std::string> warnings = look_warnings(*root);
   keep_members(*root, repairs);
   using Names = std::vector<std::string>;
   const Checked checked =
@@ -256,7 +257,7 @@ Expected<Document> read_document(const Container& container, SceneFolder& folder
     return add_images(images, folder, *document);
   });
   if (!files) return tl::unexpected(files.error());
-  document->warnings = warnings_of_extensions(document->extensionsUsed);
+  document->warnings = std::move(warnings);
   resolve_pointers(*document);
   return document;
 }
