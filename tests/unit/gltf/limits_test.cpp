@@ -83,7 +83,8 @@ TEST(LimitsTable, SaysWhatHappensWithEachExtension) {
 
 TEST(LimitsTable, OtherExtensionsGetOneWarningTogether) {
   GltfBuilder file = file_with("VENDOR_b");
-  file.json["extensionsUsed"] = {"VENDOR_b", "KHR_materials_sheen", "VENDOR_a", "KHR_materials_ior", "VENDOR_a"};
+  file.json["extensionsUsed"] = {"VENDOR_b", "KHR_materials_sheen", "VENDOR_a", "KHR_materials_ior",
+                                 "VENDOR_a"};
   EXPECT_EQ(warnings_of(file),
             (std::vector<std::string>{
                 "KHR_materials_ior, KHR_materials_sheen are not drawn: materials have base colours only",
@@ -95,7 +96,8 @@ TEST(LimitsTable, OtherExtensionsGetOneWarningTogether) {
 /// A use of each property that gives a warning, as a patch of a file with a triangle and a material.
 const std::map<std::string, json> kWarned = {
     {"material.alphaMode",
-     {{"materials", {{{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.7}}}}}}}}},
+     {{"materials",
+       {{{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.7}}}}}}}}},
     {"material.normalTexture", {{"materials", {{{"normalTexture", {{"index", 0}}}}}}}},
     {"material.occlusionTexture", {{"materials", {{{"occlusionTexture", {{"index", 0}}}}}}}},
     {"material.pbrMetallicRoughness.metallicFactor",
@@ -144,8 +146,8 @@ TEST(LimitsTable, AWarningNamesTheFirstAndCountsTheOthers) {
   const json glowing = {{"emissiveFactor", {1, 1, 1}}};
   file.json["materials"] = {json::object(), glowing, glowing, glowing};
   file.json["materials"][1]["name"] = "lamp";
-  EXPECT_EQ(warnings_of(file), std::vector<std::string>{
-                                   "material 1 'lamp' (and 2 more) emits light: surfaces do not glow"});
+  EXPECT_EQ(warnings_of(file),
+            std::vector<std::string>{"material 1 'lamp' (and 2 more) emits light: surfaces do not glow"});
 }
 
 TEST(LimitsTable, DullOpaqueMaterialsGiveNoWarning) {
