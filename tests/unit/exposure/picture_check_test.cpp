@@ -171,6 +171,7 @@ TEST(PictureCheck, TellsOfAShellInTwoHalvesToo) {
   const std::vector<PictureFinding> found = findings(scene);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(has(found[0], "KHR_materials_unlit")) << found[0].sentence;
+  EXPECT_GT(number_after(found[0], "the light reaches "), 50) << "without both halves";
 }
 
 /// Without light, a roof is no sky: that is no cure.
