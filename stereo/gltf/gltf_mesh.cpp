@@ -25,8 +25,11 @@ glm::dvec3 area_vector(const std::vector<glm::vec3>& positions, glm::uvec3 trian
 }
 
 /// Triangles by glTF 2.0 section 3.7.2.1: every second triangle of a strip swaps two corners to keep the
-/// winding.
-std::vector<glm::uvec3> triangles_of(int mode, const std::vector<std::uint32_t>& corners) {
+/// winding. Leaves out triangles of vertices that are not there.
+std::vector<glm::uvec3> triangles_of(const Document& document, const Primitive& primitive,
+                                     std::size_t vertices) {
+  const std::vector<std::uint32_t> corners = corners_of(document, primitive, vertices);
+  const int mode = primitive.mode;
   const std::size_t count = mode == TINYGLTF_MODE_TRIANGLES ? corners.size() / 3 : corners.size() - 2;
   std::vector<glm::uvec3> triangles;
   triangles.reserve(count);
@@ -37,7 +40,7 @@ std::vector<glm::uvec3> triangles_of(int mode, const std::vector<std::uint32_t>&
                                 : mode == TINYGLTF_MODE_TRIANGLE_STRIP
                                     ? glm::uvec3(corners[i], corners[i + 1 + odd], corners[i + 2 - odd])
                                     : glm::uvec3(corners[i + 1], corners[i + 2], corners[0]);
-    triangles.push_back(triangle);
+    if (std::max({triangle.x, triangle.y, triangle.z}) < vertices) triangles.push_back(triangle);
   }
   return triangles;
 }
@@ -144,7 +147,7 @@ void remove_without_area(farshade::Mesh& mesh) {
 farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
   farshade::Mesh mesh;
   mesh.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"));
-  mesh.triangles = triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()));
+  mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
   remove_without_area(mesh);
   if (const Index normal = attribute(primitive, "NORMAL")) mesh.normals = read_vectors<3>(document, *normal);
   complete(document, primitive, mesh);
@@ -156,7 +159,7 @@ farshade::Mesh deformable_mesh_from(const Document& document, const Primitive& p
   mesh.deformable = deformable_of(document, primitive, skinned);
   mesh.positions = mesh.deformable->positions;
   mesh.normals = mesh.deformable->normals;
-  mesh.triangles = triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()));
+  mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
   complete(document, primitive, mesh);
   if (!mesh.deformable->normals.empty()) mesh.deformable->normals = mesh.normals;
   return mesh;

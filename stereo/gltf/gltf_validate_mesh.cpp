@@ -65,7 +65,7 @@ Checked check_positions(const Document& document, const std::string& name, std::
                    std::to_string(far - positions.begin()) + " lies beyond 1e9");
 }
 
-Checked check_indices(const Document& document, const std::string& name, const Primitive& primitive,
+Checked check_indices(Document& document, const std::string& name, const Primitive& primitive,
                       std::uint64_t vertices) {
   if (primitive.indices < 0) return {};
   const auto found = accessor_at(document, name + ": index", primitive.indices);
@@ -78,8 +78,9 @@ Checked check_indices(const Document& document, const std::string& name, const P
   const auto indices = read_indices(document, static_cast<std::uint32_t>(primitive.indices));
   const auto worst = std::max_element(indices.begin(), indices.end());
   if (*worst >= vertices)
-    return malformed(subject + ": index " + std::to_string(*worst) + " is beyond the " +
-                     std::to_string(vertices) + " vertices");
+    document.repairs.add("its triangles are not drawn", subject + ": index " + std::to_string(*worst) +
+                                                            " is beyond the " + std::to_string(vertices) +
+                                                            " vertices");
   return {};
 }
 

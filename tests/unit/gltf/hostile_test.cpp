@@ -313,7 +313,7 @@ TEST(GltfHostile, LeavesOutSparseNumbersThatAreNotFinite) {
   EXPECT_NE(outcome_of(load(file)).find("POSITION: accessor 0: element 2 is not finite"), std::string::npos);
 }
 
-TEST(GltfHostile, LeavesOutPrimitivesWithAnIndexBeyondVertices) {
+TEST(GltfHostile, LeavesOutTrianglesWithAnIndexBeyondVertices) {
   GltfBuilder file = triangle_file();
   file.bytes()[36] = std::byte{3};
   const std::string fault = "mesh 0 'chair', primitive 0: index accessor 1: index 3 is beyond the 3 vertices";
@@ -321,8 +321,15 @@ TEST(GltfHostile, LeavesOutPrimitivesWithAnIndexBeyondVertices) {
   const json broken = file.json["meshes"][0]["primitives"][0];
   file.json["meshes"][0]["primitives"] = {broken, {{"attributes", broken["attributes"]}}, broken, broken};
   const auto scene = load(file);
-  EXPECT_EQ(outcome_of(scene), "repaired: " + fault + "; it is not drawn (and 2 more)");
+  EXPECT_EQ(outcome_of(scene), "repaired: " + fault + "; its triangles are not drawn (and 2 more)");
   EXPECT_EQ(scene->triangle_count, 1u);
+  for (const int mode : {4, 5, 6}) {  // of a list, a strip or a fan, the other triangles are drawn
+    GltfBuilder strip;
+    const auto points = strip.positions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+    const auto indices = strip.accessor(strip.view<std::uint8_t>({0, 1, 2, 1, 3, 255}), 5121, "SCALAR", 6);
+    strip.mesh({{"attributes", {{"POSITION", points}}}, {"indices", indices}, {"mode", mode}});
+    EXPECT_EQ(load(strip)->triangle_count, static_cast<std::uint64_t>(mode - 3)) << mode;
+  }
 }
 
 TEST(GltfHostile, RefusesEmptyScenes) {
