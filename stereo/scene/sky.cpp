@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "stereo/base/printable.h"
 #include "stereo/scene/scene_state.h"
 
 namespace farshade {
@@ -131,7 +132,7 @@ void find_sky(Scene& scene) {
   if (sky.empty()) return;
   for (const std::uint32_t i : sky) scene.instances[i].casts = false;
   scene.warnings.push_back(fmt::format("'{}' is {} and closed around everything: it casts no shadow",
-                                       scene.nodes[scene.instances[sky.front()].node].name,
+                                       printable(scene.nodes[scene.instances[sky.front()].node].name),
                                        black ? "black" : "unlit"));
 }
 

@@ -1,7 +1,8 @@
-// glTF: bytes are refused with one sentence, or they decode to a scene whose indices and numbers are all in
-// range. Decoding again gives the same scene. No file is opened. Limits are low, so that an allocation
-// exceeds them if the input controls its size. An input with a zero byte that is no GLB is split at that byte
-// into JSON and binary chunk, and both are put into a GLB. So the fuzzer can change the length of either.
+// glTF: bytes are refused with one sentence, or they decode to a scene, with one line for each repair, whose
+// indices and numbers are all in range. Decoding again gives the same scene. No file is opened. Limits are
+// low, so that an allocation exceeds them if the input controls its size. An input with a zero byte that is
+// no GLB is split at that byte into JSON and binary chunk, and both are put into a GLB. So the fuzzer can
+// change the length of either.
 #include "stereo/gltf/gltf.h"
 
 #include <cmath>
@@ -36,7 +37,13 @@ void check_mesh(const Scene& scene, const Mesh& mesh) {
   }
 }
 
+void check_line(std::string_view text) {
+  for (const char c : text) check(c != '\n' && c != '\x1b', "a message is one plain line");
+}
+
 void check_promises(const Scene& scene) {
+  check(scene.warnings.size() < 100, "faults of one kind are counted");
+  for (const std::string& warning : scene.warnings) check_line(warning);
   for (const Mesh& mesh : scene.meshes) check_mesh(scene, mesh);
   for (const Material& material : scene.materials)
     check(!material.texture || *material.texture < scene.textures.size(), "a material's texture exists");
@@ -100,7 +107,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::vector<std::byte> file = file_from(fuzz::text_of(data, size));
   const Expected<Scene> scene = load_scene_from_memory(file, {}, kLimits);
   if (!scene) {
-    for (const char c : scene.error().what) check(c != '\n' && c != '\x1b', "a refusal is one plain line");
+    check_line(scene.error().what);
     return 0;
   }
   check_promises(*scene);
