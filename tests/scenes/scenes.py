@@ -61,7 +61,8 @@ def tried(path, options):
     prefix = path.name + ": "  # of what the file has and is not drawn; other notes tell what was chosen
     warnings = [note.removeprefix(prefix) for note in json.loads(done.stdout)["notes"] if note.startswith(prefix)]
     result, sentence = drawn(path, options)
-    return result or ("drawn with warnings" if warnings else "drawn"), sentence or "; ".join(warnings)
+    told = "repaired" if any(warning.startswith("repaired: ") for warning in warnings) else "drawn with warnings" if warnings else "drawn"
+    return result or told, sentence or "; ".join(warnings)
 
 
 def main():
