@@ -1,5 +1,5 @@
 /// The glTF 2.0 loader. It turns an untrusted file into a checked Scene, or into one sentence about why
-/// nothing can be drawn. Faults that leave something to draw are repaired (docs/scenes.md): Scene::warnings
+/// nothing can be drawn. Faults that leave something to draw are repaired (docs/files.md): Scene::warnings
 /// has a sentence for each kind, which begins with "repaired: ".
 ///
 /// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG, JPEG and EXT_texture_webp; indexed and
