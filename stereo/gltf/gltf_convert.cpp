@@ -248,34 +248,34 @@ Index camera_node(const Document& document, const NodeOrder& order) {
   return found;
 }
 
-/// Removes what has no direction: below scales whose product is too small for a double.
-void remove_without_direction(std::span<const Affine<Stage, Object>> poses, Repairs& repairs, Scene& scene) {
-  const auto is_small = [&](const LightSource& light) {
-    return light.kind != LightKind::Point && !(glm::length(glm::dvec3(poses[light.node].matrix[2])) > 1e-150);
+/// Removes lights and the camera if they are too far away, or below scales whose product is too small for a
+/// double, so that they have no direction.
+void remove_lost(std::span<const Affine<Stage, Object>> poses, Repairs& repairs, Scene& scene) {
+  const auto is_lost = [&](const LightSource& light) {
+    const glm::dmat4& pose = poses[light.node].matrix;
+    const bool is_far = light.kind != LightKind::Directional && !is_near(glm::dvec3(pose[3]));
+    return is_far || (light.kind != LightKind::Point && !(glm::length(glm::dvec3(pose[2])) > 1e-150));
   };
-  if (std::erase_if(scene.lights, is_small) > 0)
-    repairs.add("it is left out", "a light is scaled to nothing");
-  if (!scene.camera || std::isfinite(glm::length(scene.camera->rotation))) return;
-  repairs.add("it is left out", "the camera is scaled to nothing");
+  constexpr const char* kLost = " lies more than 1e9 m from the origin, or is scaled to nothing";
+  if (std::erase_if(scene.lights, is_lost) > 0) repairs.add("it is left out", std::string("a light") + kLost);
+  if (!scene.camera) return;
+  if (is_near(scene.camera->translation) && std::isfinite(glm::length(scene.camera->rotation))) return;
+  repairs.add("it is left out", std::string("the camera") + kLost);
   scene.camera.reset();
 }
 
 Checked add_places(Document& document, const NodeOrder& order, Scene& scene) {
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
-  remove_without_direction(poses, document.repairs, scene);
+  remove_lost(poses, document.repairs, scene);
   const SceneState state = state_at(scene, Time{});
   scene.bounds = kNoPoint;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Bounds object = bounds_of(scene.meshes[scene.instances[i].mesh].positions);
     scene.bounds = joined(scene.bounds, moved(state.stage_from_object[i].matrix, object));
   }
-  const bool lights_near =
-      std::all_of(scene.lights.begin(), scene.lights.end(),
-                  [&](const LightSource& light) { return is_near(glm::dvec3(poses[light.node].matrix[3])); });
-  const bool camera_near = !scene.camera || is_near(scene.camera->translation);
-  if (is_near(scene.bounds.low) && is_near(scene.bounds.high) && lights_near && camera_near) return {};
-  return fail(Fault::OutOfRange, "the scene, a light or its camera lies more than 1e9 m from the origin");
+  if (is_near(scene.bounds.low) && is_near(scene.bounds.high)) return {};
+  return fail(Fault::OutOfRange, "the scene lies more than 1e9 m from the origin");
 }
 
 }  // namespace

@@ -81,8 +81,7 @@ LightValues values_of(const Light& light) {
                      .inner_cone_rad = light.spot.innerConeAngle,
                      .outer_cone_rad = light.spot.outerConeAngle,
                      .range_m = {}};
-  // tinygltf writes 0 for a light without a range.
-  if (light.range > 0 && light.range < kMostRange_m) values.range_m = light.range;
+  if (light.range > 0) values.range_m = light.range;  // tinygltf writes 0 for a light without a range
   return values;
 }
 
@@ -119,8 +118,8 @@ LightSource light_from(const Light& from, const LightValues& rest, const std::ve
   LightValues largest = rest;
   for (const LightTrack& track : tracks) set_value(track.property, largest_value(track), largest);
   to.intensity = glm::vec3(glm::min(largest.color * largest.intensity, kMostIntensity));
-  if (largest.range_m && to.kind != LightKind::Directional)
-    to.range_m = static_cast<float>(std::min(*largest.range_m, kMostIntensity));
+  if (largest.range_m && *largest.range_m < kMostRange_m && to.kind != LightKind::Directional)
+    to.range_m = static_cast<float>(*largest.range_m);
   if (to.kind != LightKind::Spot) return to;
   to.inner_cone_rad = static_cast<float>(rest.inner_cone_rad);
   to.outer_cone_rad = static_cast<float>(std::min(largest.outer_cone_rad, std::numbers::pi / 2));

@@ -331,6 +331,14 @@ TEST(GltfLights, OfALargeRangeHaveNoLimit) {
   }
 }
 
+TEST(GltfLights, MayStandFarAwayIfTheyAreDirectional) {
+  GltfBuilder file = triangle_file();
+  file.node({{"translation", {0, 2e9, 0}}, {"extensions", file.light({{"type", "directional"}})}});
+  const auto scene = load(file);
+  EXPECT_EQ(outcome_of(scene), "drawn");
+  EXPECT_EQ(scene->lights.size(), 1u);
+}
+
 TEST(GltfLights, OfALargeIntensityAreAsBrightAsCanBe) {
   GltfBuilder file = triangle_file();
   file.node({{"extensions", file.light({{"type", "point"}, {"intensity", 1e300}})}});

@@ -199,6 +199,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "node 1 'lamp': there is no light 5"},
         Spoiled{"CameraMissing", {{"/nodes/4/camera", 5}}, "node 4 'eye': there is no camera 5"},
         Spoiled{"RotationNotUnit", {{"/nodes/1/rotation", {0, 0, 0, 0}}}, "node 1 'lamp': its rotation"},
+        Spoiled{"LampTooFar", {{"/nodes/1/translation", {2e9, 0, 0}}}, "a light lies more than 1e9 m"},
+        Spoiled{"CameraTooFar", {{"/nodes/4/translation", {2e9, 0, 0}}}, "the camera lies more than 1e9 m"},
         Spoiled{"MatrixProjects",
                 {{"/nodes/1/matrix", kBentMatrix}},
                 "node 1 'lamp': the last row of its matrix"},
@@ -283,7 +285,7 @@ INSTANTIATE_TEST_SUITE_P(
         Spoiled{"Cycle", {{"/nodes/1/children", {0}}, {"/scenes/0/nodes", {2}}}, "is its own ancestor"},
         Spoiled{
             "OwnChild", {{"/nodes/2/children", {2}}, {"/scenes/0/nodes", {0}}}, "node 2 is its own ancestor"},
-        Spoiled{"TooFar", {{"/nodes/2/translation", {2e9, 0, 0}}}, "more than 1e9 m", Fault::OutOfRange},
+        Spoiled{"TooFar", {{"/nodes/0/scale", {2e10, 1, 1}}}, "more than 1e9 m", Fault::OutOfRange},
         Spoiled{"ScalesMultiply",
                 {{"/nodes/0/scale", {1e9, 1, 1}}, {"/nodes/1/scale", {1e9, 1, 1}}},
                 "node 1 'lamp' reaches further",
