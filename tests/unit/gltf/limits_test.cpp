@@ -167,8 +167,8 @@ TEST(LimitsTable, WarningsOfMalformedFilesAreNoFault) {
                                           {"emissiveFactor", {"x"}},
                                           {"extensions", 7}}})})
     for (const char* list : {"extensionsUsed", "materials", "meshes", "samplers"})
-      EXPECT_NO_THROW(gltf::look_warnings(json{{list, wrong}})) << list << " " << wrong;
-  EXPECT_NO_THROW(gltf::look_warnings(json(7)));
+      EXPECT_LE(gltf::look_warnings(json::object({{list, wrong}})).size(), 3u) << list << " " << wrong;
+  EXPECT_TRUE(gltf::look_warnings(json(7)).empty());
 }
 
 /// A window in front of a floor.
