@@ -44,6 +44,21 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
+/// `m`, or a matrix close to it that float can invert. A flattened parent and a turned child make a matrix
+/// whose columns lie in one plane, as far as float can tell. They are moved out of it, on their own side, by
+/// kLeastThickness of their size. With less, shadow rays would start farther from the surface
+/// (Placement::reach).
+glm::dmat3 thickened(const glm::dmat3& m) {
+  constexpr double kLeastThickness = 1e-3;
+  if (condition(m) * kLeastThickness < 1) return m;
+  // The plane's normal times the transpose of the flattened direction, nearly.
+  const glm::dmat3 out = normal_matrix(m);
+  const auto length = [](const glm::dmat3& a) {
+    return std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2]));
+  };
+  return m + out * (kLeastThickness * length(m) / length(out));
+}
+
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
   const double square = glm::dot(v, v);
   if (square > 1e-200 && square < 1e200) return v * (1.0 / std::sqrt(square));  // nearly always, and quicker
@@ -177,15 +192,15 @@ void SurfaceModel::place(const SceneState& state) {
   });
   for (Patch& patch : moving) {
     const glm::dmat4& m = state.stage_from_object[patch.instance].matrix;
-    const glm::dmat3 linear(m);
-    const Point<Anchor> translation =
-        anchor_from_stage_(Point<Stage>{linear * patch.object_center.v + glm::dvec3(m[3])});
     Placement& placement = patch.placement;
+    placement.singular = is_singular(glm::dmat3(m));
+    if (placement.singular) continue;
+    const glm::dmat3 linear = thickened(glm::dmat3(m));
+    const Point<Anchor> translation =
+        anchor_from_stage_(Point<Stage>{glm::dmat3(m) * patch.object_center.v + glm::dvec3(m[3])});
     placement.linear = glm::mat3(linear);
     placement.translation = in_float(translation);
-    placement.normal = glm::mat3(normal_matrix(linear / std::max(largest_row_sum(linear), 1e-300)));
-    placement.singular = is_singular(linear);
-    if (placement.singular) continue;
+    placement.normal = glm::mat3(normal_matrix(linear / largest_row_sum(linear)));
     const double grown = largest_row_sum(linear) * patch.object_reach + largest(translation.v);
     // Twice, for the rounding of the matrix and its inverse. The tests pass with 1, too, but 64 u M leave
     // little for that rounding beside the 35 u M of tile_stages.h.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "stereo/math/rotation.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
@@ -113,6 +114,51 @@ TEST_F(CoverageOf, AHiddenThingIsThereForNone) {
     EXPECT_EQ(drawn > 500, is_shown) << drawn;
     EXPECT_EQ(coverage_of(rig, views).apart, 0u);
   }
+}
+
+/// A quad whose parent is flattened in y by `scale`. The quad is turned out of the parent's plane, so that
+/// the parent flattens it into that plane. A box casts on it.
+Scene flattened_by_parent(double scale, double size, bool moves) {
+  SceneBuilder builder;
+  const glm::dvec3 far_off = glm::dvec3(20, 20, 20) / size;  // from the mesh's origin
+  builder.add(quad(far_off, {1 / size, 0, 0}, {0, 0, -1 / size}));
+  builder.add(box({0.1, -0.1, -3}, {0.1, 0.02, 0.1}));
+  builder.point_light({0.3, 2, -2.5});
+  Scene scene = builder.build();
+  NodeTransform outer = scaled(glm::dvec3(size, scale * size, size)), inner;
+  outer.rotation = rotation_exp({0.4, 0.2, 0.3});
+  outer.translation = {0, -0.5, -3};
+  inner.rotation = rotation_exp({0.5, 0.1, 0});
+  inner.translation = -(inner.rotation * far_off);
+  scene.nodes.insert(scene.nodes.begin(), {.name = "outer", .parent = {}, .rest = outer, .moving = false});
+  scene.nodes[1] = {.name = "inner", .parent = 0u, .rest = inner, .moving = moves};
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) scene.instances[i].node = i + 1;
+  scene.lights[0].node = 3;
+  return scene;
+}
+
+/// Instances that move are traced in object space, others are not.
+TEST_F(CoverageOf, WhatAParentFlattensIsThereForBothIfItMoves) {
+  for (const double scale : {1e-4, 1e-6, 1e-7, 1e-8, 1e-9, 1e-12, 0.0, -1e-9})
+    for (const double size : {1.0, 3000.0}) {
+      SCOPED_TRACE(scale);
+      TestRig still(device_, flattened_by_parent(scale, size, false), 96),
+          moving(device_, flattened_by_parent(scale, size, true), 96);
+      const StereoView views = still.eyes({{1, 0, 0, 0}, {0, 0, 0}});
+      const Shown shown = moving.show(views, {});
+      const auto drawn = std::ranges::count_if(shown.reports[0].sources,
+                                               [](auto source) { return source != kSourceUncovered; });
+      const Mask exact = still.trace(kNow, views), traced = moving.trace(kNow, views);
+      std::ptrdiff_t lit = 0, wrong = 0;
+      for_pixels(views[0].size, [&](std::uint32_t x, std::uint32_t y) {
+        const bool is_lit = exact.bits[0].word(x, y) != 0;
+        lit += is_lit ? 1 : 0;
+        wrong += is_lit != (traced.bits[0].word(x, y) != 0) ? 1 : 0;
+      });
+      EXPECT_GT(drawn, 1000);
+      EXPECT_GT(lit, 800);
+      EXPECT_LT(wrong, 20);
+    }
 }
 
 /// Eyes that are 10 um below a plate see a wall above it, because the near plane cuts the plate off.
