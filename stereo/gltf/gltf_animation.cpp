@@ -21,7 +21,7 @@ Channel channel_from(const Document& document, const AnimationSampler& sampler, 
                      Path path) {
   Channel channel{node,
                   path,
-                  interpolation_from(sampler.interpolation),
+                  path == Path::Visible ? Interpolation::Step : interpolation_from(sampler.interpolation),
                   read_scalars(document, static_cast<std::uint32_t>(sampler.input)),
                   {}};
   channel.values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));

@@ -43,8 +43,8 @@ bool may_be(const std::string& property, const glm::vec4& value) {
 }
 
 /// Checks the values of a sampler for `property`: there are `values_a_key` for each key (three times as many
-/// for cubic splines), which are floats or normalised integers; KHR_node_visibility has bytes that do not
-/// fade.
+/// for cubic splines), which are floats or normalised integers. KHR_animation_pointer asks for unsigned bytes
+/// and STEP where a property is a boolean; other scalars are read as bytes are, other interpolations as STEP.
 Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
                      const std::string& property, std::uint64_t values_a_key = 1) {
   const auto found = accessor_at(document, name + ": value", sampler.output);
@@ -54,13 +54,12 @@ Checked check_output(const Document& document, const std::string& name, const An
   const bool is_vector = property == "translation" || property == "scale";
   const std::uint32_t rows = property == "rotation" ? 4 : is_vector || property == "color" ? 3 : 1;
   const Component component = component_of(accessor);
-  const bool is_whole = accessor.normalized && component != Component::UInt32 && !is_vector;
-  const bool fits = property == kVisiblePath
-                        ? component == Component::UInt8 && sampler.interpolation == "STEP"
-                        : component == Component::Float || is_whole;
+  const bool is_flag = property == kVisiblePath;
+  const bool is_whole = component != Component::UInt32 && (is_flag || (accessor.normalized && !is_vector));
+  const bool fits = component == Component::Float || is_whole;
   if (!fits || !has_shape(accessor, rows))
     return malformed(subject + " has a type that " + property + " cannot have");
-  const std::size_t parts = parts_of(sampler);
+  const std::size_t parts = is_flag ? 1 : parts_of(sampler);
   const std::uint64_t wanted = at(document.accessors, sampler.input).count * parts * values_a_key;
   if (accessor.count != wanted)
     return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
