@@ -279,24 +279,27 @@ void keep_each(json& list, const Member& of, const Place& place, Repairs& repair
   }
 }
 
-/// The fault of a value that is not even in part what its member should be.
+/// Keeps the parts of a value that are right. Returns the fault of a value of which nothing is.
 Checked keep_value(json& value, const Member& of, const Place& place, Repairs& repairs) {
   if (!of.type->fits(value)) return malformed(place.text() + " should be " + of.type->words);
   make_fractions(*of.type, value);
   if (of.type == &kObjects) keep_each(value, of, place, repairs);
-  if (of.type == &kIndexMap || of.type == &kIndexSet)
+  const auto is_bad = [](const json& one) { return !is_index(one); };
+  if (of.type == &kIndexSet && std::erase_if(value.get_ref<json::array_t&>(), is_bad) > 0)
+    repairs.add(kIgnored, place.text() + ": each should be " + kIndex.words);
+  if (of.type == &kIndexMap)
     for (auto entry = value.begin(); entry != value.end();) {
-      const bool fits = is_index(*entry);
-      const std::string key = value.is_object() ? entry.key() : "";
-      if (!fits)
-        repairs.add(kIgnored, place.text() + ": each " + printable(key) + " should be " + kIndex.words);
+      const std::string& key = entry.key();
+      if (is_bad(*entry))
+        repairs.add(kIgnored, place.text() + "." + printable(key) + " should be " + kIndex.words);
       // tinygltf ends names at a zero byte, so "POSITION\0" would be POSITION.
-      entry = fits && key.find('\0') == std::string::npos ? std::next(entry) : value.erase(entry);
+      const bool is_kept = !is_bad(*entry) && key.find('\0') == std::string::npos;
+      entry = is_kept ? std::next(entry) : value.erase(entry);
     }
   return of.type == &kObject ? keep(value, of.inner, place, repairs) : Checked{};
 }
 
-/// Keeps the members of an object. Returns the fault without which it would mean something.
+/// Keeps the members of an object that are right. Returns the fault of an object that means nothing.
 Checked keep(json& object, std::span<const Member> members, const Place& place, Repairs& repairs) {
   for (const Member& member : members)
     if (member.need == Need::Required && !object.contains(member.name))

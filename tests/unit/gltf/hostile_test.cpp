@@ -501,6 +501,30 @@ TEST(GltfHostile, LeavesOutManyLargeImagesInAFewBytes) {
   EXPECT_TRUE(with_images(1)->textures.empty());
 }
 
+/// A damaged image takes as much time as others. So after some, images must be as large as their files allow.
+TEST(GltfHostile, DecodesFewDamagedImagesOfOneColour) {
+  const auto with_damaged = [](int damaged) {
+    GltfBuilder file = rich_file();
+    std::vector<std::byte> half = make_noise_png({8, 8});
+    half.resize(half.size() / 2);
+    const auto broken = file.view(half), plain = file.view(make_png({256, 256}, 8, 0, {}));
+    json& primitives = file.json["meshes"][0]["primitives"];
+    const json primitive = primitives[0];
+    for (const char* list : {"images", "textures", "materials"}) file.json[list] = json::array();
+    primitives = json::array();
+    for (int i = 0; i <= damaged; ++i) {
+      file.json["images"].push_back({{"bufferView", i < damaged ? broken : plain}});
+      file.json["textures"].push_back({{"source", i}});
+      file.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+      primitives.push_back(primitive);
+      primitives.back()["material"] = i;
+    }
+    return load(file)->textures.size();
+  };
+  EXPECT_EQ(with_damaged(7), 1u);
+  EXPECT_EQ(with_damaged(8), 0u);
+}
+
 TEST(GltfHostile, ReadsNoBuffersWithoutBytes) {
   GltfBuilder second = triangle_file();
   second.json["buffers"].push_back({{"byteLength", 36}});
