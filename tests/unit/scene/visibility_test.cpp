@@ -129,6 +129,36 @@ TEST(NodeVisibility, IsPartOfTheHash) {
 }
 
 /// A skinned mesh is hidden with its own node, not with its joints.
+TEST(NodeVisibility, HidesASkinnedMeshWithItsNode) {
+  for (const bool moves : {false, true}) {
+    GltfBuilder file = triangle_file();
+    json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = file.accessor(file.view(std::vector<std::uint8_t>(12, 0)), 5121, "VEC4", 3);
+    attributes["WEIGHTS_0"] =
+        file.accessor(file.view<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}), 5126, "VEC4", 3);
+    const auto joint = file.node({{"extensions", visible(false)}});
+    file.json["skins"] = {{{"joints", {joint}}}};
+    file.json["nodes"][0]["skin"] = 0;
+    file.node({{"mesh", file.json["meshes"].size()}});
+    file.json["meshes"].push_back(triangle_file().json["meshes"][0]);
+    blink(file, 0);
+    if (moves) {
+      json& animation = file.json["animations"][0];
+      const auto places =
+          file.accessor(file.view<float>({0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0}), 5126, "VEC3", 4);
+      animation["samplers"].push_back({{"input", animation["samplers"][0]["input"]}, {"output", places}});
+      animation["channels"].push_back(
+          {{"sampler", 1}, {"target", {{"node", joint}, {"path", "translation"}}}});
+    }
+    const Scene scene = loaded(file);
+    ASSERT_EQ(scene.instances.size(), 2u);
+    EXPECT_EQ(scene.instances[0].rig.has_value(), moves);
+    EXPECT_TRUE(is_there(scene, 0, 0.5));
+    EXPECT_FALSE(is_there(scene, 0, 1.5));
+    EXPECT_TRUE(is_there(scene, 1, 1.5));
+  }
+}
+
 TEST(NodeVisibility, OtherNumbersAndInterpolationsAreReadAsSteps) {
   for (const auto& [interpolation, component] :
        {std::pair("LINEAR", 5121), {"CUBICSPLINE", 5121}, {"STEP", 5126}}) {
