@@ -61,7 +61,9 @@ def tried(path, options):
     prefix = path.name + ": "  # of what the file has and is not drawn; other notes tell what was chosen
     warnings = [note.removeprefix(prefix) for note in json.loads(done.stdout)["notes"] if note.startswith(prefix)]
     result, sentence = drawn(path, options)
-    told = "repaired" if any(warning.startswith("repaired: ") for warning in warnings) else "drawn with warnings" if warnings else "drawn"
+    told = "drawn with warnings" if warnings else "drawn"
+    if any(warning.startswith("repaired: ") for warning in warnings):
+        told = "repaired"
     return result or told, sentence or "; ".join(warnings)
 
 
