@@ -130,7 +130,8 @@ PictureFinding dark_finding(const PictureTrial& trial, const Scene& scene, const
     return {true, fmt::format("{}, because {} light arrives there; the cure is --ambient {:g} on both sides: "
                               "then {} of it is",
                               what, all_black ? "no" : "little", kTriedAmbient, percent(dark))};
-  return {true, what + ", and stays black in any light: its materials have no colour"};
+  return {true, fmt::format("{}, and stays so in any light: its materials have {} colour", what,
+                            all_black ? "no" : "hardly any")};
 }
 
 PictureFinding clipped_finding(const PictureTrial& trial, const Scene& scene, const Lighting& lighting,

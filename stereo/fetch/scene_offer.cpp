@@ -70,7 +70,7 @@ bool choice_fields(auto& io, SceneChoice& choice) {
   if (!io.u8(has) || has > (kScene | kAnimation) || !io.u32(scene)) return false;
   choice.scene = (has & kScene) != 0 ? std::optional(scene) : std::nullopt;
   return text(io, choice.camera) && text(io, choice.variant) &&
-         ((has & kAnimation) == 0 || text(io, choice.animation));
+         ((has & kAnimation) == 0 || (text(io, choice.animation) && !choice.animation.empty()));
 }
 
 bool lighting_fields(auto& io, Lighting& lighting) {

@@ -268,11 +268,11 @@ Checked add_places(Document& document, const NodeOrder& order, Scene& scene) {
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
   remove_lost(poses, document.repairs, scene);
-  const SceneState state = state_at(scene, Time{});
+  const auto places = places_at_start(scene);
   scene.bounds = kNoPoint;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Bounds object = bounds_of(scene.meshes[scene.instances[i].mesh].positions);
-    scene.bounds = joined(scene.bounds, moved(state.stage_from_object[i].matrix, object));
+    scene.bounds = joined(scene.bounds, moved(places[i].matrix, object));
   }
   if (is_near(scene.bounds.low) && is_near(scene.bounds.high)) return {};
   return fail(Fault::OutOfRange, "the scene lies more than 1e9 m from the origin");

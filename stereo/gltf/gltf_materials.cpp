@@ -116,6 +116,7 @@ std::uint32_t MaterialConverter::material(Index index) {
     if (lets_light_through(from)) result.base_color.a = 0, result.alpha_cutoff = 0.5f;
     result.double_sided = from.doubleSided;
     result.unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
+    result.glows = vector_of(from.emissiveFactor, glm::dvec3(0.0)) != glm::dvec3(0.0);
     const auto use = texture_of(from);
     const Expected<Index> texture_index = use ? texture(name, use->texture) : Index{};
     if (!texture_index) document_.repairs.add("the base colour factor is drawn", texture_index.error());

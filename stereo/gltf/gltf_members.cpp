@@ -184,6 +184,7 @@ constexpr Member kMaterialExtensions[] = {object("KHR_materials_unlit", {}),
 constexpr Member kMaterial[] = {kName,
                                 optional("alphaMode", kText),
                                 optional("alphaCutoff", kNotNegative),
+                                optional("emissiveFactor", kVector3),
                                 optional("doubleSided", kFlag),
                                 object("pbrMetallicRoughness", kSurface),
                                 object("extensions", kMaterialExtensions)};

@@ -272,7 +272,11 @@ Expected<Layout> layout_counted(const std::vector<std::string_view>& fields, cha
 Expected<Layout> layout_introduced(Expected<Layout> named, const std::vector<std::string_view>& row,
                                    char separator, rows::Place place) {
   Expected<Layout> counted = layout_counted(row, separator, place);
-  if (counted && named) counted->order = named->order;
+  if (counted && named) {
+    counted->order = named->order;
+    counted->units_a_metre = named->units_a_metre;
+    counted->unit = named->unit;
+  }
   return counted || !named || named->columns <= row.size() ? counted : named;
 }
 

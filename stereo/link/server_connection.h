@@ -2,6 +2,13 @@
 /// (network_link.h) and a capture file (vr_client/record/replay.h).
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stereo/base/clock.h"
 #include "stereo/link/frame_receiver.h"
 
 namespace farshade {

@@ -38,6 +38,7 @@ struct Material {
       alpha_cutoff;           ///< if set, a point with less alpha is a hole (MASK; BLEND is MASK at 0.5)
   bool double_sided = false;  ///< if false, only the counter-clockwise side is visible; both cast shadows
   bool unlit = false;         ///< KHR_materials_unlit
+  bool glows = false;         ///< emits light; only the search for a sky (sky.h) asks
 };
 
 /// Triangles of one material, in object space. Each stream has one entry per vertex or is empty.

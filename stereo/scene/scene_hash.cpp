@@ -121,9 +121,9 @@ void put_light_animations(Hasher& hasher, const Scene& scene) {
 /// What animations hide. Scenes without it keep the hash that they had before it was read.
 void put_hiding(Hasher& hasher, const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
-    if (const auto& node = scene.instances[i].shown_with) hasher.fields(i, *node);
+    if (const auto& node = scene.instances[i].shown_with) hasher.fields('i', i, *node);
   for (std::uint32_t i = 0; i < scene.lights.size(); ++i)
-    if (scene.lights[i].hides) hasher.fields(i);
+    if (scene.lights[i].hides) hasher.fields('l', i);
 }
 
 void put_places(Hasher& hasher, const Scene& scene) {

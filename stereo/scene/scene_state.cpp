@@ -163,6 +163,14 @@ std::vector<bool> shown_nodes(const Scene& scene, double time_s) {
   return shown;
 }
 
+/// The transform of an instance, hidden or not.
+Affine<Stage, Object> place_of(const Scene& scene, const Instance& instance,
+                               std::span<const Affine<Stage, Object>> stage_from_node) {
+  const bool skinned = instance.rig && !scene.rigs[*instance.rig].joints.empty();
+  return skinned ? stage_from_skin(scene.rigs[*instance.rig], stage_from_node)
+                 : stage_from_node[instance.node];
+}
+
 /// What is hidden has no extent, so it is not there (is_singular).
 Affine<Stage, Object> hidden(Affine<Stage, Object> pose) {
   pose.matrix[0] = pose.matrix[1] = pose.matrix[2] = glm::dvec4(0.0);
@@ -247,6 +255,13 @@ RigPose pose_of(const Scene& scene, const Rig& rig, std::span<const Affine<Stage
   return pose;
 }
 
+std::vector<Affine<Stage, Object>> places_at_start(const Scene& scene) {
+  const auto poses = stage_from_nodes(scene, Time{});
+  std::vector<Affine<Stage, Object>> places;
+  for (const Instance& instance : scene.instances) places.push_back(place_of(scene, instance, poses));
+  return places;
+}
+
 void advance(const Scene& scene, Time scene_time, const LightChanges& changes, SceneState& state) {
   state.scene_time = scene_time;
   const bool is_made = state.stage_from_object.size() == scene.instances.size() &&
@@ -261,8 +276,7 @@ void advance(const Scene& scene, Time scene_time, const LightChanges& changes, S
   const double time_s = animation_time_s(scene, scene_time);
   const std::vector<bool> shown = shown_nodes(scene, time_s);
   for (const Instance& instance : scene.instances) {
-    const bool skinned = instance.rig && !scene.rigs[*instance.rig].joints.empty();
-    const auto pose = skinned ? stage_from_skin(scene.rigs[*instance.rig], poses) : poses[instance.node];
+    const auto pose = place_of(scene, instance, poses);
     const bool hides = instance.shown_with && !shown[*instance.shown_with];
     state.stage_from_object.push_back(hides ? hidden(pose) : pose);
   }

@@ -61,6 +61,10 @@ void set(Path path, const glm::dvec4& value, NodeTransform& transform);
 /// replaced by that, so that a node that an animation flattens is still there.
 [[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);
 
+/// The transform of each instance to the stage at time 0, also of those that an animation hides then: for
+/// what is found out once and must hold when they are shown.
+[[nodiscard]] std::vector<Affine<Stage, Object>> places_at_start(const Scene& scene);
+
 /// Where the vertices of a skin are relative to: the stage's axes about the first joint.
 [[nodiscard]] Affine<Stage, Object> stage_from_skin(const Rig& rig,
                                                     std::span<const Affine<Stage, Object>> stage_from_node);

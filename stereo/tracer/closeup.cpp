@@ -24,7 +24,8 @@ double median(std::vector<double> values) {
 }
 
 /// About kSamples vertices, every n-th of all.
-std::vector<Point<Stage>> sampled(const Scene& scene, const SceneState& state) {
+std::vector<Point<Stage>> sampled(const Scene& scene) {
+  const auto places = places_at_start(scene);
   std::size_t count = 0;
   for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].positions.size();
   const std::size_t step = count / kSamples + 1;
@@ -32,7 +33,7 @@ std::vector<Point<Stage>> sampled(const Scene& scene, const SceneState& state) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < scene.instances.size(); ++i)
     for (const glm::vec3& p : scene.meshes[scene.instances[i].mesh].positions)
-      if (at++ % step == 0) points.push_back(state.stage_from_object[i](Point<Object>{glm::dvec3(p)}));
+      if (at++ % step == 0) points.push_back(places[i](Point<Object>{glm::dvec3(p)}));
   return points;
 }
 
@@ -66,9 +67,9 @@ bool is_long(Point<Anchor> a, Point<Anchor> b, double near_m) {
 
 }  // namespace
 
-Closeup closeup_of(const Scene& scene, const SceneState& state) {
+Closeup closeup_of(const Scene& scene) {
   const Closeup whole{{(scene.bounds.low + scene.bounds.high) * 0.5}};
-  const std::vector<Point<Stage>> points = sampled(scene, state);
+  const std::vector<Point<Stage>> points = sampled(scene);
   if (points.empty()) return whole;
   const Point<Stage> middle = median(points);
   std::vector<double> away;

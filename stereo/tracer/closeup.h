@@ -24,7 +24,7 @@ struct Closeup {
 
 /// A scene is lopsided if half of its vertices lie nearer to their median than 1/256 of half its bounding
 /// box. Every other scene has its anchor at the centre of its bounding box, and nothing is split.
-[[nodiscard]] Closeup closeup_of(const Scene& scene, const SceneState& state);
+[[nodiscard]] Closeup closeup_of(const Scene& scene);
 
 struct Corner {
   Point<Anchor> position;

@@ -82,7 +82,7 @@ SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const Tr
   check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
   check_eq(plan.moves.size(), scene.instances.size(), "a plan knows every instance");
   check_eq(plan.surfaces.size(), scene.meshes.size(), "a plan knows every mesh");
-  closeup_ = closeup_of(scene, state);
+  closeup_ = closeup_of(scene);
   anchor_from_stage_ = farshade::anchor_from_stage(closeup_.anchor);
   patches_.reserve(scene.instances.size());
   for (const bool moving : {false, true}) {

@@ -109,7 +109,7 @@ TEST(PictureCheck, BlackMaterialsStayBlack) {
   builder.point_light({0, 2.5, 0});
   const std::vector<PictureFinding> found = findings(builder.build());
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_TRUE(has(found[0], "stays black in any light")) << found[0].sentence;
+  EXPECT_TRUE(has(found[0], "stays so in any light: its materials have no colour")) << found[0].sentence;
 }
 
 TEST(PictureCheck, AWhitePictureGetsAnExposure) {

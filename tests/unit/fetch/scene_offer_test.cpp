@@ -58,6 +58,17 @@ TEST(SceneOffer, ReadsWhatWasWritten) {
   EXPECT_EQ(read->lighting.exposure, std::nullopt);
 }
 
+/// Programs before this choice read a flag of 0 or 1, and nothing between the variant and the lights.
+TEST(SceneOffer, HasNothingOfAnAnimationThatIsNotChosen) {
+  SceneOffer offer = sample_offer();
+  const std::vector<std::byte> with = encode(offer);
+  offer.lighting.choice.animation = "";
+  const std::vector<std::byte> without = encode(offer);
+  EXPECT_EQ(with.at(0), std::byte{3});
+  EXPECT_EQ(without.at(0), std::byte{1});
+  EXPECT_EQ(with.size() - without.size(), 2 + std::string_view("walk").size());
+}
+
 TEST(SceneOffer, RefusesEveryTruncationAndAppendix) {
   std::vector<std::byte> bytes = encode(sample_offer());
   for (std::size_t size = 0; size < bytes.size(); ++size)

@@ -161,6 +161,10 @@ TEST(HeadLayout, SkipsWordsThatIntroduceTheNames) {
   expect_worn(parse_head_recording("# format: timestamp tx ty tz qx qy qz qw\n" + xyzw, "t.txt"));
   expect_worn(parse_head_recording("# timestamp [s] tx ty tz qx qy qz qw\n" + xyzw, "t.txt"));
   expect_worn(parse_head_recording("# format: timestamp tx ty tz qw qx qy qz\n" + wxyz, "t.txt"));
+  const auto in_cm =
+      parse_head_recording("# format: timestamp [s] tx [cm] ty [cm] tz [cm] qx qy qz qw\n" + xyzw, "t.txt");
+  ASSERT_TRUE(in_cm) << in_cm.error().what;
+  EXPECT_NEAR(in_cm->samples[0].recorded_from_head.translation.y * 100, worn_head(0).translation.y, 1e-5);
   expect_refused("# format: timestamp tx ty tz qx qy qz qw vx vy\n" +
                      text_of({.separator = ' ', .scalar_first = false, .more = " 9 9"}),
                  "row has 10 columns");

@@ -118,11 +118,30 @@ TEST(Sky, NeedNotReachTheEndsOfTheGround) {
             (std::vector{true, true, false}));
   EXPECT_EQ(casting(scene_in({dome(500, 0.05, true)}, without_light())), (std::vector{true, true, false}))
       << "25 m above the ground";
+  EXPECT_EQ(casting(scene_in({dome(50, 0, false)}, without_light(), {}, 70)), std::vector(3, true))
+      << "a house on its ground is seen from outside";
 }
 
-/// As one that only emits light.
-TEST(Sky, IsABlackShellToo) {
-  const Material black = of_colour({0, 0, 0, 1});
+TEST(Sky, MayBeHiddenAtFirst) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  const std::uint32_t node = builder.add(dome(50, kSphere, true), builder.material(without_light()));
+  Scene scene = builder.build();
+  scene.channels = {{.node = node,
+                     .path = Path::Visible,
+                     .interpolation = Interpolation::Step,
+                     .keys_s = {0, 1},
+                     .values = {glm::vec4(0.0f), glm::vec4(1, 0, 0, 0)}}};
+  scene.animation_length_s = 2;
+  scene.instances[1].shown_with = node;
+  find_sky(scene);
+  EXPECT_EQ(casting(scene), (std::vector{true, false}));
+}
+
+TEST(Sky, IsABlackShellThatGlowsToo) {
+  Material black = of_colour({0, 0, 0, 1});
+  EXPECT_EQ(casting(scene_in({dome(50, kSphere, false)}, black)), std::vector(3, true)) << "a black casing";
+  black.glows = true;
   const Scene scene = scene_in({dome(50, kSphere, false)}, black);
   EXPECT_EQ(casting(scene), (std::vector{true, true, false}));
   ASSERT_EQ(scene.warnings.size(), 1u);

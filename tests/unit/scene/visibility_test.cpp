@@ -97,6 +97,17 @@ TEST(NodeVisibility, AnAnimationHidesAndShowsWhatIsBelow) {
   }
 }
 
+TEST(NodeVisibility, TheBoundsHoldWhatIsHiddenAtFirst) {
+  const json aside = {{"translation", {5, 0, 0}}};
+  GltfBuilder file = group_file(aside);
+  blink(file, 4);
+  file.json["animations"][0]["samplers"][0]["output"] =
+      file.accessor(file.view<std::uint8_t>({0, 1, 1, 1}), 5121, "SCALAR", 4);
+  const Scene scene = loaded(file);
+  EXPECT_FALSE(is_there(scene, 1, 0));
+  EXPECT_EQ(scene.bounds, loaded(group_file(aside)).bounds);
+}
+
 TEST(NodeVisibility, BelowAHiddenNodeAnAnimationShowsNothing) {
   GltfBuilder file = group_file({{"extensions", visible(false)}});
   blink(file, 3);

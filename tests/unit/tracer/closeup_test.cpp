@@ -29,7 +29,7 @@ Scene box_on_a_huge_floor() {
 }
 
 Closeup closeup(const Scene& scene) {
-  return closeup_of(scene, state_at(scene, Time{}));
+  return closeup_of(scene);
 }
 
 std::vector<std::array<Corner, 3>> parts_of(const std::array<glm::dvec3, 3>& triangle, double near_m) {
