@@ -107,6 +107,14 @@ const Json& part(const Json& of, const char* name) {
   const auto found = of.is_object() ? of.find(name) : of.end();
   return found == of.end() ? none : *found;
 }
+/// The texts of a list.
+std::set<std::string> names_in(const Json& list) {
+  std::set<std::string> names;
+  if (list.is_array())
+    for (const Json& name : list)
+      if (name.is_string()) names.insert(name.get<std::string>());
+  return names;
+}
 bool is_above_0(const Json& number) {
   return number.is_number() && number.get<double>() > 0;
 }
@@ -198,8 +206,8 @@ std::vector<std::string_view> known_extensions() {
   return names;
 }
 
-Expected<void> check_extensions(const std::vector<std::string>& required) {
-  for (const std::string& name : required)
+Expected<void> check_extensions(const Json& root) {
+  for (const std::string& name : names_in(part(root, "extensionsRequired")))
     if (const Extension* const of = known(name); !of || !of->may_be_required)
       return fail(Fault::Unsupported, "the required extension '" + printable(name) +
                                           "' is not supported: export the file without it");
@@ -208,14 +216,14 @@ Expected<void> check_extensions(const std::vector<std::string>& required) {
 
 std::vector<std::string> look_warnings(const Json& root) {
   std::map<std::string_view, std::string> names;  // of the extensions, by what is different
-  const Json& used = part(root, "extensionsUsed");
-  for (const Json& name : std::set<Json>(used.begin(), used.end())) {
-    if (!name.is_string()) continue;
-    const Extension* const of = known(name.get_ref<const std::string&>());
+  std::set<std::string> used = names_in(part(root, "extensionsUsed"));
+  used.merge(names_in(part(root, "extensionsRequired")));
+  for (const std::string& name : used) {
+    const Extension* const of = known(name);
     const std::string_view without = of ? of->without : kUnknown;
     if (without.empty()) continue;
     std::string& text = names[without];
-    text += (text.empty() ? "" : ", ") + printable(name.get_ref<const std::string&>());
+    text += (text.empty() ? "" : ", ") + printable(name);
   }
   std::vector<std::string> warnings;
   for (const auto& [without, text] : names)

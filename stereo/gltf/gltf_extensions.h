@@ -14,8 +14,9 @@ namespace farshade::gltf {
 /// The names of all extensions that the loader knows something about.
 [[nodiscard]] std::vector<std::string_view> known_extensions();
 
-/// Unsupported, naming the first extension of `required` without which the scene would be wrong.
-[[nodiscard]] Expected<void> check_extensions(const std::vector<std::string>& required);
+/// Unsupported, naming the first required extension without which the scene would be wrong. `root` may have
+/// any members.
+[[nodiscard]] Expected<void> check_extensions(const nlohmann::json& root);
 
 /// What the file has and is not drawn as it says: one sentence a kind. `root` may have any members.
 [[nodiscard]] std::vector<std::string> look_warnings(const nlohmann::json& root);

@@ -96,12 +96,22 @@ std::string percent_decoded(std::string_view text) {
   return result;
 }
 
+bool is_same_word(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+bool ends_with_word(std::string_view text, std::string_view word) {
+  return text.size() >= word.size() && is_same_word(text.substr(text.size() - word.size()), word);
+}
+
 /// The bytes of "data:[media type];base64,DATA". The padding of DATA may be missing.
 Expected<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
-  constexpr std::string_view marker = ";base64,";
-  const auto at = uri.substr(0, uri.find(',') + 1).rfind(marker);
-  if (at == uri.npos) return malformed("a data URI is not base64");
-  std::string_view text = uri.substr(at + marker.size());
+  const std::size_t comma = uri.find(',');
+  if (comma == uri.npos || !ends_with_word(uri.substr(0, comma), ";base64"))
+    return malformed("a data URI is not base64");
+  std::string_view text = uri.substr(comma + 1);
+  const std::string decoded = text.find('%') == text.npos ? "" : percent_decoded(text);
+  if (!decoded.empty()) text = decoded;
   for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
   std::vector<std::uint8_t> bytes(text.size() / 4 * 3 + 2);
   std::size_t size = 0;
@@ -114,6 +124,10 @@ Expected<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
 }
 
 }  // namespace
+
+bool is_data_uri(std::string_view uri) {
+  return is_same_word(uri.substr(0, 5), "data:");
+}
 
 Expected<std::vector<std::uint8_t>> SceneFolder::load(const std::string& uri) {
   if (is_data_uri(uri)) return decode_data_uri(uri);

@@ -17,10 +17,8 @@
 
 namespace farshade::gltf {
 
-/// "data:..."
-[[nodiscard]] inline bool is_data_uri(std::string_view uri) {
-  return uri.starts_with("data:");
-}
+/// "data:...", in capitals or not.
+[[nodiscard]] bool is_data_uri(std::string_view uri);
 
 /// Reads what the URIs of a scene name: data URIs, and files in the folder of the scene. The files together
 /// may not have more bytes than the budget.

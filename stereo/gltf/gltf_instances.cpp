@@ -74,7 +74,7 @@ std::vector<Node> instances_of(const Document& document, const Node& parent, con
   if (from.scale) sizes = read_vectors<3>(document, *from.scale);
   std::vector<Node> made;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!sizes.empty() && sizes[i].x * sizes[i].y * sizes[i].z == 0.0f) continue;
+    if (!sizes.empty() && (sizes[i].x == 0) + (sizes[i].y == 0) + (sizes[i].z == 0) >= 2) continue;
     Node& node = made.emplace_back();
     node.name = parent.name;
     node.mesh = parent.mesh;

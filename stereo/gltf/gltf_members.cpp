@@ -280,10 +280,19 @@ void keep_each(json& list, const Member& of, const Place& place, Repairs& repair
   }
 }
 
+/// A name is copied to everything that is made of its object.
+void cut(std::string& name) {
+  std::size_t end = 256;
+  if (name.size() <= end) return;
+  while ((static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a character
+  name.resize(end);
+}
+
 /// Keeps the parts of a value that are right. Returns the fault of a value of which nothing is.
 Checked keep_value(json& value, const Member& of, const Place& place, Repairs& repairs) {
   if (!of.type->fits(value)) return malformed(place.text() + " should be " + of.type->words);
   make_fractions(*of.type, value);
+  if (of.name == "name") cut(value.get_ref<std::string&>());
   if (of.type == &kObjects) keep_each(value, of, place, repairs);
   const auto is_bad = [](const json& one) { return !is_index(one); };
   if (of.type == &kIndexSet && std::erase_if(value.get_ref<json::array_t&>(), is_bad) > 0)

@@ -32,11 +32,12 @@ Expected<json> json_from(std::string_view text) try {
   return malformed("JSON: " + printable(after_tag == what.npos ? what : what.substr(after_tag + 2)));
 }
 
-/// glTF 1.0 has numbers as versions, or none, and objects instead of lists.
+/// glTF 1.0 has numbers as versions, or none, and objects instead of lists. Some files of 2.0 have numbers,
+/// too.
 bool is_version_1(const json& root) {
   const auto asset = root.find("asset"), meshes = root.find("meshes");
   if (asset != root.end() && asset->is_object() && asset->contains("version") &&
-      (*asset)["version"].is_number())
+      (*asset)["version"].is_number() && (*asset)["version"] < 2)
     return true;
   return meshes != root.end() && meshes->is_object();
 }
@@ -46,9 +47,10 @@ Checked check_version(json& root, Repairs& repairs) {
   if (asset.emplace("version", "2.0").second)
     repairs.add("the file is read as glTF 2.0", "asset.version is missing");
   const std::string version = asset["version"], least = asset.value("minVersion", "2.0");
-  if (version.starts_with("2.") && least == "2.0") return {};
+  const bool is_enough = least == "2.0" || least.starts_with("1.");
+  if ((version == "2" || version.starts_with("2.")) && is_enough) return {};
   return fail(Fault::Unsupported,
-              "glTF version " + printable(least == "2.0" ? version : least) + ", only 2.0 is read");
+              "glTF version " + printable(is_enough ? version : least) + ", only 2.0 is read");
 }
 
 /// The objects of a list; none if it is absent.
@@ -239,13 +241,12 @@ Expected<Document> read_document(const Container& container, SceneFolder& folder
   if (!root) return tl::unexpected(root.error());
   if (is_version_1(*root)) return fail(Fault::Unsupported, "glTF version 1.0, only 2.0 is read");
   Repairs repairs = container.repairs;
+  const Checked supported = check_extensions(*root);
   std::vector<std::string> warnings = look_warnings(*root);
   keep_members(*root, repairs);
-  using Names = std::vector<std::string>;
-  const Checked checked =
-      check_version(*root, repairs)
-          .and_then([&] { return check_extensions(root->value("extensionsRequired", Names{})); })
-          .and_then([&] { return check_size(*root, container.json.size()); });
+  const Checked checked = check_version(*root, repairs).and_then([&] { return supported; }).and_then([&] {
+    return check_size(*root, container.json.size());
+  });
   if (!checked) return tl::unexpected(checked.error());
   mend_before_reading(*root, repairs);
   const json buffers = std::move((*root)["buffers"]), images = std::move((*root)["images"]);

@@ -23,7 +23,8 @@ std::vector<std::string> Repairs::sentences() const {
 
 tl::unexpected<Error> Repairs::nothing_to_draw(const std::string& why) const {
   if (kinds_.empty()) return fail(Fault::Malformed, "nothing to draw: " + why);
-  const Error& first = kinds_.front().first;
+  const auto not_drawn = std::ranges::find(kinds_, kNotDrawn, &Kind::remedy);
+  const Error& first = (not_drawn == kinds_.end() ? kinds_.front() : *not_drawn).first;
   return fail(first.fault, "nothing to draw: " + why + ": " + first.what);
 }
 

@@ -26,7 +26,8 @@ class Repairs {
   /// One for each remedy: "repaired: mesh 0, primitive 0: unknown mode 9; it is not drawn (and 2 more)".
   [[nodiscard]] std::vector<std::string> sentences() const;
 
-  /// The refusal of a file of which nothing is left to draw: with the first fault, if there is one.
+  /// The refusal of a file of which nothing is left to draw: with the first fault because of
+  /// which something is not drawn, else the first one.
   [[nodiscard]] tl::unexpected<Error> nothing_to_draw(const std::string& why) const;
 
  private:

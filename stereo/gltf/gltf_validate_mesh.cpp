@@ -201,6 +201,11 @@ std::uint64_t cost_of(const Document& document, const Node& node, bool has_track
 
 Checked check_joints(const Document& document, const std::string& name, const Node& node) {
   if (node.skin < 0) return {};
+  const auto has_both = [](const Primitive& p) {
+    return attribute(p, "JOINTS_0") && attribute(p, "WEIGHTS_0");
+  };
+  if (std::ranges::none_of(at(document.meshes, node.mesh).primitives, has_both))
+    return malformed(name + ": its mesh has no joints and weights for its skin");
   const auto joints = static_cast<float>(at(document.skins, node.skin).joints.size());
   for (const Primitive& primitive : at(document.meshes, node.mesh).primitives) {
     const Index named = attribute(primitive, "JOINTS_0");

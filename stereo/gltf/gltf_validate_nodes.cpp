@@ -35,7 +35,24 @@ bool is_flat(const glm::dmat4& m) {
   return !(lengths > 0.0) || !(volume > kLeastRelativeVolume * lengths);
 }
 
-/// A matrix without volume becomes a scale of 0.
+/// Gives a matrix that flattens along one of its axes the thickness that a scale of 0 gets (scene_state.h).
+bool thicken(std::vector<double>& matrix) {
+  const auto column = [&](std::size_t i) {
+    return glm::dvec3(matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]);
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 a = column((i + 1) % 3), b = column((i + 2) % 3), normal = glm::cross(a, b);
+    const double lengths = glm::length(a) * glm::length(b),
+                 longest = std::max(glm::length(a), glm::length(b));
+    if (column(i) != glm::dvec3(0.0) || !(glm::length(normal) > kLeastRelativeVolume * lengths)) continue;
+    const glm::dvec3 thin = glm::normalize(normal) * (1e-9 * longest);
+    for (std::size_t row = 0; row < 3; ++row) matrix[4 * i + row] = thin[static_cast<int>(row)];
+    return true;
+  }
+  return false;
+}
+
+/// A matrix without volume becomes a scale of 0, unless it flattens along one axis.
 void mend_transform(const std::string& name, Node& node, Repairs& repairs) {
   if (const auto matrix = matrix_of(node)) {
     const glm::dmat4& m = *matrix;
@@ -43,6 +60,7 @@ void mend_transform(const std::string& name, Node& node, Repairs& repairs) {
       repairs.add("it counts as that", name + ": the last row of its matrix is not 0 0 0 1");
     for (const int i : {3, 7, 11, 15}) at(node.matrix, i) = i == 15;
     if (!is_flat(m)) return;
+    if (thicken(node.matrix)) return;
     node.translation = {m[3].x, m[3].y, m[3].z};
     node.scale = {0, 0, 0};
     node.matrix.clear();
@@ -149,23 +167,30 @@ struct Stretch {
   double scale = 1, offset = 0;
 };
 
+double largest(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
 Stretch rest_stretch(const Node& node) {
   if (const auto matrix = matrix_of(node)) {
     const glm::dmat4& m = *matrix;
-    const double squares = glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]);
-    return {std::sqrt(squares), glm::length(glm::dvec3(m[3]))};
+    const glm::dmat3 linear(m), squares = glm::transpose(linear) * linear;
+    double most = 0;  // the eigenvalues of `squares` are not above this, by Gershgorin
+    for (int i = 0; i < 3; ++i) most = std::max(most, glm::dot(glm::abs(squares[i]), glm::dvec3(1.0)));
+    return {std::sqrt(most), glm::length(glm::dvec3(m[3]))};
   }
-  return {glm::length(scale_of(node)), glm::length(translation_of(node))};
+  return {largest(scale_of(node)), glm::length(translation_of(node))};
 }
 
-/// Upper bound of a cubic spline: its largest value plus its largest tangent times the time between keys.
-double largest_output(const Document& document, const AnimationSampler& sampler) {
-  double largest = 0;
-  for (const glm::vec3 v : read_vectors<3>(document, static_cast<std::uint32_t>(sampler.output)))
-    largest = std::max(largest, glm::length(glm::dvec3(v)));
+/// Upper bound of a scale or translation. Of a cubic spline: its largest value plus its largest tangent times
+/// the time between keys.
+double largest_output(const Document& document, const AnimationSampler& sampler, bool is_scale) {
+  double most = 0;
+  for (const glm::dvec3 v : read_vectors<3>(document, static_cast<std::uint32_t>(sampler.output)))
+    most = std::max(most, is_scale ? largest(v) : glm::length(v));
   const bool has_tangents = sampler.interpolation == "CUBICSPLINE";
-  if (!has_tangents) return largest;
-  return largest * (1.0 + read_scalars(document, static_cast<std::uint32_t>(sampler.input)).back());
+  if (!has_tangents) return most;
+  return most * (1.0 + read_scalars(document, static_cast<std::uint32_t>(sampler.input)).back());
 }
 
 }  // namespace
@@ -206,12 +231,13 @@ Checked validate_reach(const Document& document) {
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& channel : animation.channels) {
       if (channel.target_path != "translation" && channel.target_path != "scale") continue;
-      const double largest = largest_output(document, at(animation.samplers, channel.sampler));
+      const bool is_scale = channel.target_path == "scale";
+      const double most = largest_output(document, at(animation.samplers, channel.sampler), is_scale);
       Stretch& of = at(stretch, channel.target_node);
-      double& bound = channel.target_path == "scale" ? of.scale : of.offset;
-      bound = std::max(bound, largest);
+      double& bound = is_scale ? of.scale : of.offset;
+      bound = std::max(bound, most);
     }
-  for (const std::uint32_t i : parents_first(document, all_roots(document))) {
+  for (const std::uint32_t i : parents_first(document, roots_of(document))) {
     if (!(stretch[i].scale <= kMaxReach && stretch[i].offset <= kMaxReach))
       return fail(Fault::OutOfRange, node_label(document, i) + " reaches further than 1e12 m");
     for (const int number : document.nodes[i].children) {

@@ -210,6 +210,7 @@ struct RayScene::Impl {
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
   void build();
+  bool is_point(PatchRange patches) const;
   Geometry attach_patches(RTCScene scene, PatchRange patches, unsigned id, RTCBuildQuality built);
   Geometry attach_instance(RTCScene of, unsigned id);
   void add_mover(PatchRange patches);
@@ -217,6 +218,19 @@ struct RayScene::Impl {
   void place(const Mover& mover);
   void update();
 };
+
+/// Whether all corners of the triangles are one point, which no ray meets. Embree's quick builder asserts
+/// that the geometries of a node are not all at one point.
+bool RayScene::Impl::is_point(PatchRange patches) const {
+  const Patch &first = model.patches()[patches.first],
+              &last = model.patches()[patches.first + patches.count - 1];
+  const auto triangles = model.triangles().subspan(
+      first.first_triangle, last.first_triangle + last.triangle_count - first.first_triangle);
+  const auto positions = model.positions();
+  const auto is_there = [&](std::uint32_t v) { return positions[v] == positions[triangles.front().x]; };
+  return std::ranges::all_of(
+      triangles, [&](const glm::uvec3& t) { return is_there(t.x) && is_there(t.y) && is_there(t.z); });
+}
 
 /// One geometry of all `patches`, whose triangles follow one another.
 Geometry RayScene::Impl::attach_patches(RTCScene scene, PatchRange patches, unsigned id,
@@ -233,6 +247,7 @@ Geometry RayScene::Impl::attach_patches(RTCScene scene, PatchRange patches, unsi
                              model.triangles().data() + first.first_triangle, 0, sizeof(glm::uvec3),
                              triangles);
   set_filters(geometry.get(), filter_data[patches.first]);
+  if (is_point(patches)) rtcDisableGeometry(geometry.get());
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene, geometry.get(), id);
   return geometry;
@@ -298,7 +313,9 @@ void RayScene::Impl::place(const Mover& mover) {
     rtcDisableGeometry(instance);
     return;
   }
-  for (const Geometry& geometry : mover.deformed) {
+  for (std::size_t i = 0; i < mover.deformed.size(); ++i) {
+    const Geometry& geometry = mover.deformed[i];
+    is_point(mover.geometries[i]) ? rtcDisableGeometry(geometry.get()) : rtcEnableGeometry(geometry.get());
     rtcUpdateGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry.get());
   }

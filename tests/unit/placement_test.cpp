@@ -101,6 +101,19 @@ TEST(HeadTest, ABoxWithWallsAtMoreThanHalfAMetreIsARoom) {
 }
 
 /// A back that is not seen hides nothing, also of what is close behind it.
+/// Several things that are a point each, at the same place, would fail an assertion of Embree.
+TEST(Surroundings, MayHavePoints) {
+  Scene scene = empty_scene(Walls::Double);
+  for (const double scale : {1.0, 1e-9, 1e-9, 1e-9}) {
+    add_box(scene, glm::dvec3(0.5), {3, 0, 0}, Wound::Outwards);
+    scene.nodes.back().rest.scale = glm::dvec3(scale);
+  }
+  scene.bounds = {{2.5, -0.5, -0.5}, {3.5, 0.5, 0.5}};
+  const Surroundings surroundings = Surroundings::create(scene).value();
+  const std::vector<Ray> ray{{{{0, 0, 0}}, {{1, 0, 0}}}};
+  EXPECT_NEAR(surroundings.first_met(ray)[0].distance_m, 2.5, 1e-5);
+}
+
 TEST(Surroundings, AFrontCloseBehindABackIsSeen) {
   Scene scene = empty_scene(Walls::Single);
   add_quad(scene, {-1, -1}, {1, 1}, -5.0, Wound::Inwards);

@@ -137,6 +137,14 @@ TEST_F(SceneFiles, DecodesDataUris) {
   }
 }
 
+TEST_F(SceneFiles, DecodesDataUrisInCapitalsAndWithEscapes) {
+  std::string escaped;
+  for (const char c : triangle_base64()) escaped += c == 'A' ? "%41" : std::string(1, c);
+  const auto scene = load_with("DATA:;Base64," + escaped);
+  ASSERT_TRUE(scene.has_value()) << scene.error().what;
+  EXPECT_EQ(scene->hash, load(triangle_file())->hash);
+}
+
 TEST_F(SceneFiles, RefusesDamagedDataUris) {
   const std::string good = triangle_base64(), head = "data:application/octet-stream;base64,";
   std::string bad_letter = good;

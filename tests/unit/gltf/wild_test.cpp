@@ -92,7 +92,7 @@ TEST(WildInstances, BecomeNodesBelowTheirNode) {
   const auto places = file.positions({{0, 0, 0}, {5, 0, 0}, {9, 9, 9}});
   const auto turns = file.accessor(file.view<glm::i8vec4>({{0, 0, 0, 127}, {0, 0, 90, 90}, {0, 0, 0, 127}}),
                                    5120, "VEC4", 3, {{"normalized", true}});
-  const auto sizes = file.positions({{1, 1, 1}, {2, 2, 2}, {0, 1, 1}});
+  const auto sizes = file.positions({{1, 1, 1}, {2, 2, 2}, {0, 1, 0}});
   file = instanced_file(file, {{"TRANSLATION", places}, {"ROTATION", turns}, {"SCALE", sizes}});
   const Scene scene = loaded(file);
   EXPECT_EQ(scene.meshes.size(), 1u);
@@ -454,6 +454,99 @@ TEST(WildIndices, OfStripsAndFansAreRead) {
     EXPECT_EQ(scene.triangle_count, 2u);
     for (const glm::vec3 normal : scene.meshes[0].normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1)) << mode;
   }
+}
+
+TEST(WildInstances, AreFlatWhereOneScaleIs0) {
+  GltfBuilder file = triangle_file();
+  file = instanced_file(file, {{"SCALE", file.positions({{1, 1, 0}, {0, 1, 0}})}});
+  EXPECT_EQ(loaded(file).instances.size(), 1u);
+}
+
+TEST(WildNodes, MayBeNestedDeeplyWithOrWithoutMatrices) {
+  GltfBuilder file = triangle_file();
+  std::uint32_t inner = file.node({{"mesh", 0}});
+  for (int i = 0; i < 80; ++i) {
+    inner = file.node({{"children", {inner}}, {"rotation", {0.6, 0, 0, 0.8}}});
+    inner = file.node(
+        {{"children", {inner}}, {"matrix", {0.8, 0.6, 0, 0, -0.6, 0.8, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
+  }
+  file.json["scenes"][0]["nodes"] = {inner};
+  const Scene scene = loaded(file);
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(WildNodes, MayBeAnywhereIfNoSceneHasThem) {
+  GltfBuilder file = triangle_file();
+  file.node({{"translation", {1e13, 0, 0}}});
+  EXPECT_EQ(loaded(file).instances.size(), 1u);
+  file.json["scenes"][0]["nodes"] = {0, 1};
+  expect_says(refused(file).what, "reaches further than 1e12 m");
+}
+
+TEST(WildNodes, AreFlatWhereTheMatrixFlattensAlongOneAxis) {
+  for (const bool along_two : {false, true}) {
+    GltfBuilder file = triangle_file();
+    const int x = along_two ? 0 : 1;
+    file.json["nodes"].push_back({{"mesh", 0}, {"matrix", {x, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 5, 0, 0, 1}}});
+    file.json["scenes"][0]["nodes"] = {0, 1};
+    const Scene scene = loaded(file);
+    ASSERT_EQ(scene.instances.size(), along_two ? 1u : 2u);
+    EXPECT_TRUE(scene.warnings.empty());
+    if (along_two) continue;
+    const glm::dmat4& placed = state_at(scene, Time{}).stage_from_object[1].matrix;
+    EXPECT_FALSE(is_singular(glm::dmat3(placed)));
+    EXPECT_LT(glm::length(placed[2]), 1e-8);
+  }
+}
+
+TEST(WildNodes, HaveNamesOf256BytesAtMost) {
+  GltfBuilder file = triangle_file();
+  std::string name = "a";
+  for (int i = 0; i < 300; ++i) name += "\xc3\xa4";
+  file.json["nodes"][0]["name"] = name;
+  EXPECT_EQ(loaded(file).nodes[0].name, name.substr(0, 255)) << "without half a character";
+}
+
+TEST(WildSkins, NeedJointsAndWeights) {
+  for (const char* lacks : {"JOINTS_0", "WEIGHTS_0"}) {
+    GltfBuilder file = triangle_file();
+    json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_0"] = file.accessor(file.view(std::vector<std::uint8_t>(12, 0)), 5121, "VEC4", 3);
+    attributes["WEIGHTS_0"] =
+        file.accessor(file.view<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}), 5126, "VEC4", 3);
+    attributes.erase(lacks);
+    const auto joint = file.node({{"translation", {100, 0, 0}}});
+    file.json["skins"] = {{{"joints", {joint}}}};
+    file.json["nodes"][0]["skin"] = 0;
+    const Scene scene = loaded(file);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    expect_says(scene.warnings[0], "node 0: its mesh has no joints and weights for its skin");
+    EXPECT_LT(scene.bounds.high.x, 50) << "it stands where its node is";
+  }
+}
+
+TEST(WildVersions, OfTwoAreReadHoweverTheyAreWritten) {
+  GltfBuilder file = triangle_file();
+  file.json["asset"] = {{"version", "2"}, {"minVersion", "1.0"}};
+  EXPECT_TRUE(loaded(file).warnings.empty());
+  file.json["asset"] = {{"version", 2.0}};
+  EXPECT_FALSE(loaded(file).warnings.empty());
+  file.json["asset"] = {{"version", "2.0"}, {"minVersion", "2.1"}};
+  expect_says(refused(file).what, "glTF version 2.1, only 2.0 is read");
+  file.json["asset"] = {{"version", 1.1}};
+  expect_says(refused(file).what, "glTF version 1.0, only 2.0 is read");
+}
+
+/// The unknown extension is found though the list has something that is no text.
+TEST(WildExtensions, AreRequiredAlsoInAListWithFaults) {
+  GltfBuilder file = triangle_file();
+  file.json["extensionsRequired"] = {"FOO_bar", 5};
+  expect_says(refused(file).what, "the required extension 'FOO_bar' is not supported");
+  file.json["extensionsRequired"] = {"KHR_materials_sheen"};
+  const Scene scene = loaded(file);
+  ASSERT_EQ(scene.warnings.size(), 1u) << "also if extensionsUsed does not name it";
+  expect_says(scene.warnings[0], "KHR_materials_sheen is not drawn");
 }
 
 }  // namespace
