@@ -495,7 +495,7 @@ TEST(WildNodes, AreFlatWhereTheMatrixFlattensAlongOneAxis) {
     ASSERT_EQ(scene.instances.size(), along_two ? 1u : 2u);
     EXPECT_TRUE(scene.warnings.empty());
     if (along_two) continue;
-    const glm::dmat4& placed = state_at(scene, Time{}).stage_from_object[1].matrix;
+    const glm::dmat4 placed = state_at(scene, Time{}).stage_from_object[1].matrix;
     EXPECT_FALSE(is_singular(glm::dmat3(placed)));
     EXPECT_LT(glm::length(placed[2]), 1e-8);
   }
