@@ -9,10 +9,9 @@
 
 namespace farshade::gltf {
 
-// Remedies in several places. The first one: a rule of the specification is broken that this loader does not
-// need.
+// Remedies in several places.
+/// A rule of the specification is broken that this loader does not need.
 inline constexpr const char* kReadAnyway = "it is read all the same";
-
 inline constexpr const char* kNotDrawn = "it is not drawn";
 
 /// What was repaired. Of each remedy, the first fault is kept and the others are counted, so that a file with
@@ -26,8 +25,8 @@ class Repairs {
   /// One for each remedy: "repaired: mesh 0, primitive 0: unknown mode 9; it is not drawn (and 2 more)".
   [[nodiscard]] std::vector<std::string> sentences() const;
 
-  /// The refusal of a file of which nothing is left to draw: with the first fault because of
-  /// which something is not drawn, else the first one.
+  /// The refusal of a file of which nothing is left to draw: with the first fault that
+  /// left something out, else the first fault, else `why` alone.
   [[nodiscard]] tl::unexpected<Error> nothing_to_draw(const std::string& why) const;
 
  private:

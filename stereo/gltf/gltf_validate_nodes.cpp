@@ -35,7 +35,8 @@ bool is_flat(const glm::dmat4& m) {
   return !(lengths > 0.0) || !(volume > kLeastRelativeVolume * lengths);
 }
 
-/// Gives a matrix that flattens along one of its axes the thickness that a scale of 0 gets (scene_state.h).
+/// Gives a matrix that flattens along one of its axes a thickness of 1e-9 of its size, nearly as a scale of 0
+/// gets (stage_from_nodes). False for other matrices.
 bool thicken(std::vector<double>& matrix) {
   const auto column = [&](std::size_t i) {
     return glm::dvec3(matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]);
