@@ -1,7 +1,8 @@
 // A client, and a server that holds the client's key and says what it likes: any bytes sealed for the
 // session, genuine answers that are changed, counters that jump. The input is a list of steps in virtual
 // time. After each step the client's records fit their requests. Afterwards the client must still send
-// requests and assemble the answer to the next one bit for bit.
+// requests and assemble the answer to the next one bit for bit, unless the server said that its key is
+// revoked or expired: then the client must be silent.
 #include "stereo/codec/mask_block.h"
 #include "stereo/codec/plane_codec.h"
 #include "tests/fuzz/attacked_link.h"
@@ -52,6 +53,7 @@ class Conversation {
   [[nodiscard]] std::vector<Bytes> honest_answer() const;
   [[nodiscard]] Bytes genuine(fuzz::Choices& choices) const;
   void check_client() const;
+  void check_silence();
 
   ManualClock clock_;
   VirtualLink wire_{clock_, {}};
@@ -62,7 +64,17 @@ class Conversation {
                     {wire_.server().local(), key_, fuzz::kServed.scene_hash, {fuzz::kServed.light_count}},
                     kFrames};
   std::uint32_t frame_ = 0;
+  bool key_ended_ = false;  ///< the server has told so in a session of the client
 };
+
+/// Whether the message, if it is one, tells the client that its key is no longer good.
+bool ends_key(std::span<const std::byte> message) {
+  const Decoded<ServerMessage> decoded = decode_server(message);
+  if (!decoded) return false;
+  const auto* const goodbye = std::get_if<Goodbye>(&*decoded);
+  return goodbye != nullptr &&
+         (goodbye->reason == EndReason::Revoked || goodbye->reason == EndReason::Expired);
+}
 
 Conversation::Conversation() {
   wire_.while_waiting([this] { server_.serve(); });
@@ -71,6 +83,7 @@ Conversation::Conversation() {
 }
 
 void Conversation::ask(const AnswerSpec& answer) {
+  if (key_ended_) return check_silence();
   FrameRequest request = fuzz::request(++frame_);
   request.answer = answer;
   if (is_video(answer.kind)) {
@@ -92,8 +105,11 @@ void Conversation::ask(const AnswerSpec& answer) {
 }
 
 void Conversation::say(std::span<const std::byte> message, std::optional<std::uint64_t> counter) {
+  link_.poll();
+  const bool in_session = link_.last_received().has_value();
   server_.say(message, counter);
   link_.poll();
+  key_ended_ = key_ended_ || (in_session && ends_key(message));
 }
 
 /// The messages that a genuine server would answer the newest request with, if it is for masks.
@@ -178,11 +194,21 @@ void Conversation::check_client() const {
     check(record->video.unit.size() <= kMostVideoParts * kVideoPart_bytes, "a unit is bounded");
   }
   check(link_.receiver().view_scale() <= kFullViewScale, "views grow to full size at most");
-  check(!link_.refused(), "only a handshake refuses");
+  check_eq(link_.refused().has_value(), key_ended_, "refused: by the word of a server with the key");
   check(link_.counters().sessions <= server_.sessions(), "a session begins with a handshake");
 }
 
+/// A client whose key is no longer good says nothing, whatever it is told to do.
+void Conversation::check_silence() {
+  const std::uint64_t requests = server_.requests(), sessions = server_.sessions();
+  link_.request(fuzz::request(++frame_), {});
+  link_.keep_alive();
+  server_.serve();
+  check(server_.requests() == requests && server_.sessions() == sessions, "a refused client is silent");
+}
+
 void Conversation::finish() {
+  if (key_ended_) return check_silence();
   ask({.coding = Coding::Lz4});
   say(mask_block({frame_}));
   ShadowFrame block;
