@@ -145,9 +145,6 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
   const HeadsetRuntime::Counters& counters = runtime.counters();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}", counters.submitted,
                counters.empty, runtime.history());
-  if (counters.submitted > 0)
-    spdlog::info("copying pictures to the headset took {:.2f} ms a frame",
-                 ms_of(counters.copying) / static_cast<double>(counters.submitted));
   return shown ? ended : shown;
 }
 

@@ -63,7 +63,8 @@ AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
                          .masks = {&*traced_, 1},
                          .reprojection = {.lookup = Lookup::Direct}};
   go_on_with(job);
-  const DrawTimes drawn = renderer.draw(shown);
+  renderer.draw(shown);
+  const DrawTimes drawn = renderer.finish();
   return {renderer, mask_.frame, shown, {.traced = traced, .draw = drawn.total}};
 }
 

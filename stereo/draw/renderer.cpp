@@ -6,6 +6,7 @@
 
 #include "stereo/draw/cube_mask_faces.h"
 #include "stereo/draw/read_back.h"
+#include "stereo/gpu/frame_commands.h"
 #include "stereo/plan/plan_masks.h"
 #include "stereo/raster/gbuffer_transfer.h"
 #include "stereo/raster/mesh_streams.h"
@@ -16,8 +17,32 @@
 namespace farshade {
 namespace {
 
-/// One timestamp before each stage of a frame, and one after the last.
-constexpr std::uint32_t kStamps = 5;
+/// The kinds of parts of a frame that write to host memory which the device reads later.
+enum class Part : std::uint8_t { Request, Picture, Timewarp };
+
+/// The timestamps of a part: one before each of its stages, and one after the last.
+struct Stamps {
+  std::uint32_t first, count;
+};
+constexpr std::array<Stamps, 3> kStamps{{{0, 3}, {3, 5}, {8, 2}}};
+constexpr std::uint32_t kAllStamps = 10;
+
+constexpr const Stamps& stamps_of(Part part) {
+  return kStamps[static_cast<std::size_t>(part)];
+}
+
+/// Adds the time until it is destroyed.
+class AddedTime {
+ public:
+  explicit AddedTime(Duration& sum) : sum_(sum) {}
+  AddedTime(const AddedTime&) = delete;
+  AddedTime& operator=(const AddedTime&) = delete;
+  ~AddedTime() { sum_ += watch_.elapsed(); }
+
+ private:
+  Duration& sum_;
+  Stopwatch watch_;
+};
 
 std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
                                       const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
@@ -44,53 +69,65 @@ class VulkanRenderer final : public Renderer {
   VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
                  const SceneLevels& levels);
 
-  DrawTimes draw(const ShownFrame& frame) override;
+  void draw(const ShownFrame& frame) override;
   std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection, PixelReport report,
                                                    Changes changes) override;
-  DrawTimes shade_again(const ShownFrame& frame) override;
-  DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                       const PerEye<HiddenArea>* hidden) override;
-  std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                const TracedMask* base, RequestReprojection& into,
-                                                const PerEye<HiddenArea>* hidden) override;
-  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame) override;
-  DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                            const StereoView& shown) override;
-  DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown) override;
-  DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                 const StereoView& from) override;
+  void shade_again(const ShownFrame& frame) override;
+  void keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
+                  const PerEye<HiddenArea>* hidden) override;
+  bool reproject_to_request(const FrameMoment& request, std::size_t slot, const TracedMask* base,
+                            const PerEye<HiddenArea>* hidden) override;
+  void read_reprojected(RequestReprojection& into) override;
+  void draw_received(const GBufferPlanes& planes, const ShownFrame& frame) override;
+  void show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                       const StereoView& shown) override;
+  void timewarp_shown(const StereoView& from, const StereoView& shown) override;
+  void draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                            const StereoView& from) override;
+  void append(const gpu::Recording& record) override { commands_.record(record); }
+  void submit() override;
+  DrawTimes finish() override;
   void forget() override;
   [[nodiscard]] bool has_depth(FrameId frame) const override {
     return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
   }
   [[nodiscard]] const gpu::Image& shown() const override { return shading_.shown(); }
   [[nodiscard]] ShownDepth shown_depth() const override { return {ring_.image(), shown_depth_.layer}; }
-  [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const override;
-  [[nodiscard]] ShownReport report(Side side) const override {
+  [[nodiscard]] PerEye<Image<Rgb8>> read_shown() override;
+  [[nodiscard]] ShownReport report(Side side) override {
     return report(side, {0, 0, size_.width, size_.height});
   }
-  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const override {
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) override {
+    collect();
     return shading_.report(side, part);
   }
-  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) const override;
-  [[nodiscard]] PerEye<Image<float>> read_distance() const override;
-  void read_gbuffer(GBufferPlanes& into) const override { transfer_.read(shown_depth_, into); }
+  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) override;
+  [[nodiscard]] PerEye<Image<float>> read_distance() override;
+  void read_gbuffer(GBufferPlanes& into) override {
+    collect();
+    transfer_.read(shown_depth_, into);
+  }
   [[nodiscard]] DrawCounters counters() const override;
   [[nodiscard]] bool anything_moves() const override { return plan_.anything_moves(); }
 
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
+  void make_way_for(Part part);
+  void collect();
+  gpu::FrameCommands::Part record(
+      Part part,
+      const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages);
   void place_depth(const ShownFrame& frame);
   void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
-  DrawTimes submit(const ShownFrame& frame, Stage stage);
+  void record_picture(const ShownFrame& frame, Stage stage);
   [[nodiscard]] Motion motion_since(const TracedMask& mask, const SceneState& now);
   RequestReprojectionPass& need_request_reprojection();
   TimewarpPass& need_timewarp();
-  Duration submit_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
-                           TimewarpPass::Effect effect);
-  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const;
+  void record_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
+                       TimewarpPass::Effect effect);
+  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
 
   const gpu::Device& device_;
   const Scene& scene_;
@@ -103,7 +140,7 @@ class VulkanRenderer final : public Renderer {
   std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
   std::optional<CubeMaskFaces> faces_;  ///< set if the plan has a cube mask
   GBufferPass gbuffer_;
-  mutable GBufferTransfer transfer_;       ///< mutable: its buffers take what is read
+  GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
   const ShadingBytes bytes_;
@@ -113,10 +150,13 @@ class VulkanRenderer final : public Renderer {
   std::optional<TimewarpPass> timewarp_;                         ///< created at first use
   DepthRing::Place shown_depth_;                                 ///< of the last drawn frame
   std::optional<DepthRing::Place> requested_depth_;              ///< set if the depth pass must draw
-  vk::raii::CommandBuffer commands_{nullptr};
-  vk::raii::Fence fence_{nullptr};
+  ReadBack read_back_;
   gpu::Timestamps stamps_;
-  mutable ReadBack read_back_;  ///< mutable as transfer_
+  DrawTimes times_;                              ///< of the frame so far
+  std::array<bool, kStamps.size()> recorded_{};  ///< parts that are not in times_ yet
+  bool draws_maps_ = false;                      ///< the recorded picture draws shadow maps
+  gpu::FrameCommands::Part reprojected_ = 0, collected_ = 0;
+  gpu::FrameCommands commands_;  ///< last, because it waits for the device before anything is destroyed
 };
 
 VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
@@ -139,15 +179,65 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       shading_(device, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr}, masks_, frame_buffer_,
                motion_, bytes_, limits.size),
       shown_depth_(ring_.shown()),
-      commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
-                                                                 .level = vk::CommandBufferLevel::ePrimary,
-                                                                 .commandBufferCount = 1})[0])),
-      fence_(device.logical.createFence({})),
-      stamps_(device, kStamps),
-      read_back_(device) {
+      read_back_(device),
+      stamps_(device, kAllStamps),
+      commands_(device) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "traced views may be as large as shown views");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
+}
+
+/// The host may write again to the memory that parts of this kind read. Parts of a frame have their own; a
+/// frame waits for the frame before.
+void VulkanRenderer::make_way_for(Part part) {
+  if (recorded_[static_cast<std::size_t>(part)] || commands_.submitted() > collected_) collect();
+}
+
+/// Waits for everything that was recorded, and adds its times to those of the frame.
+void VulkanRenderer::collect() {
+  commands_.wait(commands_.newest());
+  collected_ = commands_.newest();
+  const auto took = [&](Part part, std::uint32_t stage) {
+    if (!recorded_[static_cast<std::size_t>(part)]) return Duration{};
+    const std::uint32_t first = stamps_of(part).first + stage;
+    return stamps_.between(first, first + 1);
+  };
+  times_.depth += took(Part::Request, 0) + took(Part::Picture, 1);
+  times_.request_reprojection += took(Part::Request, 1);
+  times_.gbuffer += took(Part::Picture, 0);
+  if (draws_maps_) times_.maps += took(Part::Picture, 2);
+  times_.shade += took(Part::Picture, 3);
+  times_.timewarp += took(Part::Timewarp, 0);
+  recorded_ = {};
+}
+
+/// Records a part. `stages` calls its second argument after each stage but the last.
+gpu::FrameCommands::Part VulkanRenderer::record(
+    Part part,
+    const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages) {
+  recorded_[static_cast<std::size_t>(part)] = true;
+  return commands_.record([&](const vk::raii::CommandBuffer& commands) {
+    const auto [first, count] = stamps_of(part);
+    stamps_.reset(commands, first, count);
+    std::uint32_t stamp = first;
+    const auto next_stage = [&] { stamps_.write(commands, stamp++); };
+    next_stage();
+    stages(commands, next_stage);
+    next_stage();
+    check_eq(stamp, first + count, "stages of a part");
+  });
+}
+
+void VulkanRenderer::submit() {
+  const AddedTime added(times_.total);
+  commands_.submit();
+}
+
+DrawTimes VulkanRenderer::finish() {
+  const Stopwatch watch;
+  collect();
+  times_.total += watch.elapsed();
+  return std::exchange(times_, {});
 }
 
 void VulkanRenderer::make_depth_pass() {
@@ -171,6 +261,7 @@ void VulkanRenderer::place_depth(const ShownFrame& frame) {
     return;
   }
   requested_depth_ = place;
+  make_way_for(Part::Request);  // which has the depth pass, too
   if (!depth_pass_) make_depth_pass();
   PerEye<HiddenArea> hidden;
   if (frame.hidden != nullptr) hidden = hidden_in_request(*frame.hidden, frame.views, frame.request->views);
@@ -221,20 +312,20 @@ void VulkanRenderer::forget() {
   masks_.forget();
 }
 
-DrawTimes VulkanRenderer::draw(const ShownFrame& frame) {
-  const Stopwatch watch;
+void VulkanRenderer::draw(const ShownFrame& frame) {
+  const AddedTime added(times_.total);
+  make_way_for(Part::Picture);
   place_depth(frame);
   if (faces_) faces_->prepare(frame);
   gbuffer_.prepare(frame.views, frame.state, frame.detail, frame.hidden);
   prepare_shading(frame);
-  DrawTimes times = submit(frame, Stage::Both);
-  times.total = watch.elapsed();
-  return times;
+  record_picture(frame, Stage::Both);
 }
 
 std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reprojection& reprojection,
                                                                  PixelReport report, Changes changes) {
   if (plan_.anything_moves()) changes = Changes::Possible;
+  collect();
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
@@ -252,34 +343,28 @@ std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reproject
   return steps;
 }
 
-DrawTimes VulkanRenderer::shade_again(const ShownFrame& frame) {
-  const Stopwatch watch;
+void VulkanRenderer::shade_again(const ShownFrame& frame) {
+  const AddedTime added(times_.total);
+  make_way_for(Part::Picture);
   prepare_shading(frame);
-  DrawTimes times = submit(frame, Stage::Shade);
-  times.total = watch.elapsed();
-  return times;
+  record_picture(frame, Stage::Shade);
 }
 
-DrawTimes VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                                     const PerEye<HiddenArea>* hidden) {
-  const Stopwatch watch;
+void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
+                                const PerEye<HiddenArea>* hidden) {
+  make_way_for(Part::Request);
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full,
                        hidden);
-  commands_.reset();
-  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  stamps_.reset(commands_);
-  stamps_.write(commands_, 0);
-  depth_pass_->record(commands_, ring_, *place);
-  for (std::uint32_t stage = 1; stage < kStamps; ++stage) stamps_.write(commands_, stage);
-  commands_.end();
-  gpu::submit_and_wait(device_, commands_, fence_);
+  record(Part::Request,
+         [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
+           depth_pass_->record(commands, ring_, *place);
+           next_stage();
+         });
+  times_.triangles.depth += depth_pass_->scene_pass().triangles();
   read_distance(*place, request.views[0].size, into);
-  return {.depth = stamps_.between(0, 1),
-          .total = watch.elapsed(),
-          .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
 RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
@@ -287,83 +372,72 @@ RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
   return *request_reprojection_;
 }
 
-std::optional<DrawTimes> VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                              const TracedMask* base,
-                                                              RequestReprojection& into,
-                                                              const PerEye<HiddenArea>* hidden) {
-  const Stopwatch watch;
-  if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
+bool VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
+                                          const TracedMask* base, const PerEye<HiddenArea>* hidden) {
+  if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return false;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
-  if (!place || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
+  if (!place || (base != nullptr && !ring_.has(base->frame))) return false;
   std::optional<OwnedMask> unknown;
   const TracedMask from =
       base != nullptr ? *base : unknown.emplace(unknown_mask(request, plan_.mask)).traced();
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
   Motion since = motion_since(from, state);
   since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
+  make_way_for(Part::Request);
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
   need_request_reprojection().prepare(request, *place, from, state.light_set, since);
-  commands_.reset();
-  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  stamps_.reset(commands_);
-  stamps_.write(commands_, 0);
-  depth_pass_->record(commands_, ring_, *place);
-  stamps_.write(commands_, 1);
-  request_reprojection_->record(commands_);
-  for (std::uint32_t stage = 2; stage < kStamps; ++stage) stamps_.write(commands_, stage);
-  commands_.end();
-  gpu::submit_and_wait(device_, commands_, fence_);
-  request_reprojection_->read(into);
-  return DrawTimes{.depth = stamps_.between(0, 1),
-                   .request_reprojection = stamps_.between(1, 2),
-                   .total = watch.elapsed(),
-                   .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
+  reprojected_ = record(
+      Part::Request, [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
+        depth_pass_->record(commands, ring_, *place);
+        next_stage();
+        request_reprojection_->record(commands);
+      });
+  times_.triangles.depth += depth_pass_->scene_pass().triangles();
+  return true;
 }
 
-DrawTimes VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
-  const Stopwatch watch;
+void VulkanRenderer::read_reprojected(RequestReprojection& into) {
+  check(reprojected_ > 0, "a mask has been reprojected");
+  commands_.wait(reprojected_);
+  request_reprojection_->read(into);
+}
+
+void VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
+  const AddedTime added(times_.total);
   ShownFrame direct = frame;
   direct.request = nullptr;
   direct.reprojection.lookup = Lookup::Direct;
+  make_way_for(Part::Picture);
   place_depth(direct);
   transfer_.prepare(planes);
   prepare_shading(direct);
-  DrawTimes times = submit(direct, Stage::Received);
-  times.total = watch.elapsed();
-  return times;
+  record_picture(direct, Stage::Received);
 }
 
-DrawTimes VulkanRenderer::submit(const ShownFrame& frame, Stage stage) {
-  commands_.reset();
-  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  stamps_.reset(commands_);
-  stamps_.write(commands_, 0);
-  if (stage == Stage::Received)
-    transfer_.record(commands_, shown_depth_);
-  else if (stage != Stage::Shade)
-    gbuffer_.record(commands_, ring_, shown_depth_);
-  stamps_.write(commands_, 1);
+void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
   const bool draws_depth = stage != Stage::Shade && requested_depth_.has_value();
-  if (draws_depth) depth_pass_->record(commands_, ring_, *requested_depth_);
   const bool draws_faces = stage != Stage::Shade && faces_.has_value();
-  if (draws_faces) faces_->record(commands_);
-  stamps_.write(commands_, 2);
-  if (frame.shadow_maps != nullptr) shadow_maps_->record(commands_);
-  const bool draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
-  stamps_.write(commands_, 3);
-  shading_.record(commands_, frame.report);
-  stamps_.write(commands_, 4);
-  commands_.end();
-  gpu::submit_and_wait(device_, commands_, fence_);
-  return {.gbuffer = stamps_.between(0, 1),
-          .depth = stamps_.between(1, 2),
-          .shade = stamps_.between(3, 4),
-          .maps = draws_maps ? stamps_.between(2, 3) : Duration{},
-          .triangles = {.gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
-                        .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) +
-                                 (draws_faces ? faces_->triangles() : 0),
-                        .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
+  record(Part::Picture,
+         [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
+           if (stage == Stage::Received)
+             transfer_.record(commands, shown_depth_);
+           else if (stage != Stage::Shade)
+             gbuffer_.record(commands, ring_, shown_depth_);
+           next_stage();
+           if (draws_depth) depth_pass_->record(commands, ring_, *requested_depth_);
+           if (draws_faces) faces_->record(commands);
+           next_stage();
+           if (frame.shadow_maps != nullptr) shadow_maps_->record(commands);
+           next_stage();
+           shading_.record(commands, frame.report);
+         });
+  draws_maps_ = frame.shadow_maps != nullptr && shadow_maps_->due();
+  DrawnTriangles& triangles = times_.triangles;
+  if (stage == Stage::Both) triangles.gbuffer += gbuffer_.scene_pass().triangles();
+  if (draws_depth) triangles.depth += depth_pass_->scene_pass().triangles();
+  if (draws_faces) triangles.depth += faces_->triangles();
+  if (draws_maps_) triangles.maps += shadow_maps_->scene_pass().triangles();
 }
 
 TimewarpPass& VulkanRenderer::need_timewarp() {
@@ -371,48 +445,41 @@ TimewarpPass& VulkanRenderer::need_timewarp() {
   return *timewarp_;
 }
 
-DrawTimes VulkanRenderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                          const StereoView& shown) {
-  const Stopwatch watch;
+void VulkanRenderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                     const StereoView& shown) {
+  const AddedTime added(times_.total);
+  make_way_for(Part::Timewarp);
   need_timewarp().load(picture);
-  const Duration timewarp =
-      submit_timewarp(from, shown, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Show);
-  return {.timewarp = timewarp, .total = watch.elapsed()};
+  record_timewarp(from, shown, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Show);
 }
 
-DrawTimes VulkanRenderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
-  const Stopwatch watch;
-  const Duration timewarp =
-      submit_timewarp(from, shown, TimewarpPass::Source::Shown, TimewarpPass::Effect::Show);
-  return {.timewarp = timewarp, .total = watch.elapsed()};
+void VulkanRenderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
+  const AddedTime added(times_.total);
+  make_way_for(Part::Timewarp);
+  record_timewarp(from, shown, TimewarpPass::Source::Shown, TimewarpPass::Effect::Show);
 }
 
-DrawTimes VulkanRenderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                               const StereoView& from) {
-  const Stopwatch watch;
+void VulkanRenderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                          const StereoView& from) {
   ShownFrame unshadowed = frame;
   unshadowed.masks = {};
   unshadowed.shadow_maps = nullptr;
-  DrawTimes times = draw(unshadowed);
+  draw(unshadowed);
+  const AddedTime added(times_.total);
+  make_way_for(Part::Timewarp);
   need_timewarp().load(difference);
-  times.timewarp =
-      submit_timewarp(from, frame.views, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Add);
-  times.total = watch.elapsed();
-  return times;
+  record_timewarp(from, frame.views, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Add);
 }
 
-Duration VulkanRenderer::submit_timewarp(const StereoView& from, const StereoView& shown,
-                                         TimewarpPass::Source source, TimewarpPass::Effect effect) {
-  TimewarpPass& timewarp = need_timewarp();
-  commands_.reset();
-  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  timewarp.record(commands_, from, shown, source, effect);
-  commands_.end();
-  gpu::submit_and_wait(device_, commands_, fence_);
-  return timewarp.time();
+void VulkanRenderer::record_timewarp(const StereoView& from, const StereoView& shown,
+                                     TimewarpPass::Source source, TimewarpPass::Effect effect) {
+  record(Part::Timewarp, [&](const vk::raii::CommandBuffer& commands, const std::function<void()>&) {
+    need_timewarp().record(commands, from, shown, source, effect);
+  });
 }
 
-PerEye<Image<Rgb8>> VulkanRenderer::read_shown() const {
+PerEye<Image<Rgb8>> VulkanRenderer::read_shown() {
+  collect();
   const auto pixels = read_back_.read<Rgba8>(shading_.shown(), vk::ImageLayout::eGeneral, 0, size_);
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -421,7 +488,8 @@ PerEye<Image<Rgb8>> VulkanRenderer::read_shown() const {
   return result;
 }
 
-ShownSurface VulkanRenderer::read_surface(Side side, glm::uvec2 pixel) const {
+ShownSurface VulkanRenderer::read_surface(Side side, glm::uvec2 pixel) {
+  collect();
   const GBufferTransfer::Pixel read = transfer_.read(shown_depth_, side, pixel);
   if (read.depth <= 0) return {};
   ShownSurface surface{.distance_m = static_cast<float>(kNearPlane_m / read.depth),
@@ -432,13 +500,14 @@ ShownSurface VulkanRenderer::read_surface(Side side, glm::uvec2 pixel) const {
   return surface;
 }
 
-PerEye<Image<float>> VulkanRenderer::read_distance() const {
+PerEye<Image<float>> VulkanRenderer::read_distance() {
   PerEye<Image<float>> result;
   read_distance(shown_depth_, size_, result);
   return result;
 }
 
-void VulkanRenderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const {
+void VulkanRenderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) {
+  collect();
   const auto depths =
       read_back_.read<float>(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {

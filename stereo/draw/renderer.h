@@ -1,5 +1,6 @@
-/// Renderer draws one frame: the G-buffer, the depth of requested views, and the shaded picture with masks
-/// reprojected. It draws one frame at a time; `draw` returns when the device has finished.
+/// Renderer draws frames: the G-buffer, the depth of requested views, and the shaded picture with masks
+/// reprojected. A frame is recorded in parts and goes to the device in one submission (docs/gpu.md). Only
+/// `finish`, and functions that read, wait for the device.
 #pragma once
 
 #include <functional>
@@ -13,6 +14,7 @@
 #include "stereo/frame/hidden_area.h"
 #include "stereo/frame/pixel_plane.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gpu/recording.h"
 #include "stereo/image/image.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
@@ -40,7 +42,8 @@ struct DrawTimes {
   Duration maps{};                       ///< shadow maps, on the device; 0 if they were not redrawn
   Duration request_reprojection{};       ///< reprojecting a mask to the requested views, on the device
   Duration timewarp{};                   ///< turning a picture made for other views, on the device
-  Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
+  /// Wall time of the calls that draw pictures, submit and finish: recording, uploads, submission, waits.
+  Duration total{};
   DrawnTriangles triangles{};
 };
 
@@ -97,11 +100,14 @@ struct RendererLimits {
 };
 
 /// An interface, so that its users need not know Vulkan. make_renderer makes it.
+///
+/// The functions that draw record a part of the frame. They return before the device has begun, and wait only
+/// if a part of the same kind has been recorded and not been finished. Their arguments need not outlive them.
 class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  virtual DrawTimes draw(const ShownFrame& frame) = 0;
+  virtual void draw(const ShownFrame& frame) = 0;
 
   /// Steps that create and run every pipeline that frames with these settings can need, whatever masks they
   /// have: about one each, in any order. After them no frame waits for a compiler. They take seconds where
@@ -112,40 +118,56 @@ class Renderer {
                                                                          Changes changes) = 0;
 
   /// Shades the last drawn frame again. Views and state are the same; masks and Reprojection may differ.
-  virtual DrawTimes shade_again(const ShownFrame& frame) = 0;
+  virtual void shade_again(const ShownFrame& frame) = 0;
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
-  /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
-  /// request's record. `hidden`: pixels of its views without a surface, whatever is there; null: none.
-  virtual DrawTimes keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
-                               const PerEye<HiddenArea>* hidden = nullptr) = 0;
+  /// along -z, 0 for uncovered pixels, in full detail. Waits for the device. Reuses the memory of `into`.
+  /// `slot` is that of the request's record. `hidden`: pixels of its views without a surface, whatever is
+  /// there; null: none.
+  virtual void keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
+                          const PerEye<HiddenArea>* hidden = nullptr) = 0;
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reprojects `base` to
-  /// these views. A light that has moved or was switched since the base was traced is unknown everywhere.
-  /// Without a base (null), everything is unknown that has a surface. No value, and nothing drawn, if the
-  /// depth of the base is gone, or the plan does not reproject masks. `slot` is that of the request's
-  /// record, `hidden` as in keep_depth.
-  virtual std::optional<DrawTimes> reproject_to_request(const FrameMoment& request, std::size_t slot,
-                                                        const TracedMask* base, RequestReprojection& into,
-                                                        const PerEye<HiddenArea>* hidden = nullptr) = 0;
+  /// these views; read_reprojected reads the result. A light that has moved or was switched since the base
+  /// was traced is unknown everywhere. Without a base (null), everything is unknown that has a surface.
+  /// Returns whether there is a result: if not, the depth of the base is gone, or the plan does not reproject
+  /// masks, and nothing is drawn. `slot` is that of the request's record, `hidden` as in keep_depth.
+  [[nodiscard]] virtual bool reproject_to_request(const FrameMoment& request, std::size_t slot,
+                                                  const TracedMask* base,
+                                                  const PerEye<HiddenArea>* hidden = nullptr) = 0;
+
+  /// What reproject_to_request has found. Waits for it, but not for what was recorded after it. Reuses the
+  /// memory of `into`.
+  virtual void read_reprojected(RequestReprojection& into) = 0;
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.
-  virtual DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame) = 0;
+  virtual void draw_received(const GBufferPlanes& planes, const ShownFrame& frame) = 0;
 
   /// Shows an sRGB picture that was made for `from`, turned to `shown`. The picture and `from` have one size,
   /// with no side larger than that of a traced view. Pixels outside of the picture (outside_share) are black.
-  virtual DrawTimes show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                    const StereoView& shown) = 0;
+  virtual void show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                               const StereoView& shown) = 0;
 
   /// Turns the shown picture, which was made for `from`.
-  virtual DrawTimes timewarp_shown(const StereoView& from, const StereoView& shown) = 0;
+  virtual void timewarp_shown(const StereoView& from, const StereoView& shown) = 0;
 
   /// Draws `frame` without shadows and without its masks, and adds `difference`, a difference_of for `from`,
   /// turned to the frame's views. Its size is free as in show_timewarped. Pixels outside of it have no
   /// shadows.
-  virtual DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                         const StereoView& from) = 0;
+  virtual void draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                    const StereoView& from) = 0;
+
+  /// Records commands of the caller after what has been recorded, in the same submission: they copy what is
+  /// shown. `record` is called at once.
+  virtual void append(const gpu::Recording& record) = 0;
+
+  /// Hands everything that was recorded to the device, in one submission. Does not wait.
+  virtual void submit() = 0;
+
+  /// Ends the frame: submits what is left, waits until the device has finished it, and returns the times of
+  /// all parts since the last call.
+  virtual DrawTimes finish() = 0;
 
   /// Forgets the depth of all requests and all masks. Call this when frame ids start again.
   virtual void forget() = 0;
@@ -153,21 +175,20 @@ class Renderer {
   /// The depth of the views, or faces, of this request is kept.
   [[nodiscard]] virtual bool has_depth(FrameId frame) const = 0;
 
-  // Results of the last draw.
+  // Results of the last draw. Functions that read wait for all that was recorded.
   /// The shaded picture: one layer per eye, rgba8 UNORM, usage sampled, layout General.
   [[nodiscard]] virtual const gpu::Image& shown() const = 0;
   /// The depth of the surfaces that `draw` or `draw_received` has shown.
   [[nodiscard]] virtual ShownDepth shown_depth() const = 0;
-  [[nodiscard]] virtual PerEye<Image<Rgb8>> read_shown() const = 0;
-  [[nodiscard]] virtual ShownReport report(Side side) const = 0;
+  [[nodiscard]] virtual PerEye<Image<Rgb8>> read_shown() = 0;
+  [[nodiscard]] virtual ShownReport report(Side side) = 0;
   /// The report of the pixels of `part`.
-  [[nodiscard]] virtual ShownReport report(Side side, const TileRect& part) const = 0;
-  /// Waits for a copy of one pixel.
-  [[nodiscard]] virtual ShownSurface read_surface(Side side, glm::uvec2 pixel) const = 0;
+  [[nodiscard]] virtual ShownReport report(Side side, const TileRect& part) = 0;
+  [[nodiscard]] virtual ShownSurface read_surface(Side side, glm::uvec2 pixel) = 0;
   /// Metres along -z, 0 for uncovered pixels.
-  [[nodiscard]] virtual PerEye<Image<float>> read_distance() const = 0;
+  [[nodiscard]] virtual PerEye<Image<float>> read_distance() = 0;
   /// Reuses the memory of the planes.
-  virtual void read_gbuffer(GBufferPlanes& into) const = 0;
+  virtual void read_gbuffer(GBufferPlanes& into) = 0;
 
   [[nodiscard]] virtual DrawCounters counters() const = 0;
   /// Something in the scene can move, according to the plan.

@@ -82,7 +82,8 @@ bool has_extension(const vk::raii::PhysicalDevice& physical, const char* name) {
 
 /// A maker may add feature structures of its own to ours, which must not be beside
 /// VkPhysicalDeviceVulkan12Features (VUID-VkDeviceCreateInfo-pNext-02830). This extension has the one feature
-/// of that structure that we need.
+/// of that structure that we need. Its other one, timeline semaphores (every device of Vulkan 1.2 has them),
+/// a maker may or may not enable: such a device has fences in their place.
 constexpr const char* kLayeredDrawing = VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME;
 
 /// A family whose queues draw, compute and keep time.
@@ -188,7 +189,8 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, const Qu
                               const DeviceOptions& options) {
   vk::PhysicalDeviceVulkan13Features features13{
       .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
-  vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
+  vk::PhysicalDeviceVulkan12Features features12{
+      .pNext = &features13, .timelineSemaphore = true, .shaderOutputLayer = true};
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = family.index, .queueCount = 1, .pQueuePriorities = &priority};
@@ -262,6 +264,7 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
   device.timestamp_bits = family.timestamp_bits;
   device.presents = family.presents;
   device.logical = make_logical(device.physical, family, options);
+  device.timelines = !options.maker;
   device.queue = device.logical.getQueue(device.queue_family, 0);
   device.commands = device.logical.createCommandPool(
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
@@ -303,6 +306,7 @@ void abandon(const Device& device) {
   auto& call = writable(device.logical.getDispatcher());
   silence(call.vkDestroyDevice);
   silence(call.vkDeviceWaitIdle);
+  silence(call.vkWaitSemaphores);
   silence(call.vkFreeMemory);
   silence(call.vkDestroyFence);
   silence(call.vkDestroySemaphore);
@@ -328,32 +332,21 @@ void abandon(const Device& device) {
   silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
 }
 
-/// Waits in steps: a program that was stopped for longer than the timeout (Ctrl-Z) finds that one of them is
-/// over.
-bool finishes(const Device& device, const vk::raii::Fence& fence) {
-  constexpr std::uint64_t kSteps = 10;
-  for (std::uint64_t step = 0; step < kSteps; ++step)
-    if (device.logical.waitForFences(*fence, true, device.timeout_ns / kSteps) == vk::Result::eSuccess)
-      return true;
-  return false;
-}
-
-/// Any failure is reported as a lost device: the device must then be opened again.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence) {
   const vk::CommandBuffer handle = *commands;
-  try {
+  losing_device([&] {
+    ++device.use->submissions;
     device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
-    if (!finishes(device, fence)) {
+    ++device.use->waits;
+    const bool in_time = finishes_in_time(
+        device, [&](std::uint64_t step_ns) { return device.logical.waitForFences(*fence, true, step_ns); });
+    if (!in_time) {
       abandon(device);
       throw vk::DeviceLostError("vkWaitForFences: the device did not finish in time and was abandoned");
     }
     device.logical.resetFences(*fence);
-  } catch (const vk::OutOfHostMemoryError& error) {
-    throw vk::DeviceLostError(error.what());
-  } catch (const vk::OutOfDeviceMemoryError& error) {
-    throw vk::DeviceLostError(error.what());
-  }
+  });
 }
 
 }  // namespace farshade::gpu

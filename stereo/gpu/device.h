@@ -2,6 +2,7 @@
 /// on, it keeps every message of the validation layers; tests expect none.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -12,6 +13,7 @@
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/gpu/ledger.h"
+#include "stereo/gpu/recording.h"
 
 namespace farshade::gpu {
 
@@ -24,6 +26,12 @@ class ValidationLog {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> messages_;
+};
+
+/// What has been asked of the queue of a device. Thread-safe.
+struct QueueUse {
+  std::atomic<std::uint64_t> submissions{0};  ///< calls that submit commands
+  std::atomic<std::uint64_t> waits{0};        ///< of the host for the device
 };
 
 struct Device {
@@ -43,11 +51,13 @@ struct Device {
   std::uint64_t max_allocation_bytes = 0;  ///< of one allocation (maxMemoryAllocationSize)
   std::uint32_t max_image_side_px = 0;     ///< maxImageDimension2D
   std::uint32_t max_image_layers = 0;      ///< maxImageArrayLayers
+  bool timelines = false;                  ///< it has timeline semaphores
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
-  std::uint64_t timeout_ns = kGpuTimeout_ns;                    ///< of submit_and_wait
-  float timestamp_period_ns = 1;                                ///< of one timestamp tick
-  std::uint32_t timestamp_bits = 64;                            ///< that count; those above are undefined
-  bool is_cpu = false;  ///< it draws on the processor, as lavapipe does
+  std::shared_ptr<QueueUse> use = std::make_shared<QueueUse>();
+  std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< of submit_and_wait
+  float timestamp_period_ns = 1;              ///< of one timestamp tick
+  std::uint32_t timestamp_bits = 64;          ///< that count; those above are undefined
+  bool is_cpu = false;                        ///< it draws on the processor, as lavapipe does
   std::string name;
   std::string why;  ///< one clause: why this device was chosen, and why others were not
 };
@@ -72,9 +82,6 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
 /// flushes the standard streams and ends the program at once: no static object is destroyed.
 void abandon(const Device& device);
 
-/// Records commands.
-using Recording = std::function<void(const vk::raii::CommandBuffer&)>;
-
 /// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after
 /// Device::timeout_ns, so that a driver that hangs does not hang the program.
 template <class Record>
@@ -84,6 +91,36 @@ void run_now(const Device& device, Record&& record);
 /// throws vk::DeviceLostError.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence);
+
+/// Calls `wait` with a time in nanoseconds until it returns eSuccess, for Device::timeout_ns in all. Returns
+/// whether it did. Waits in steps: a program that was stopped for longer than the timeout (Ctrl-Z) finds that
+/// one of them is over.
+template <class Wait>
+[[nodiscard]] bool finishes_in_time(const Device& device, const Wait& wait);
+
+/// Calls `use`, which uses the device. Memory that it has not got is reported as a lost device, too
+/// (vk::DeviceLostError): the device must then be opened again.
+template <class Use>
+void losing_device(const Use& use);
+
+template <class Wait>
+bool finishes_in_time(const Device& device, const Wait& wait) {
+  constexpr std::uint64_t kSteps = 10;
+  for (std::uint64_t step = 0; step < kSteps; ++step)
+    if (wait(device.timeout_ns / kSteps) == vk::Result::eSuccess) return true;
+  return false;
+}
+
+template <class Use>
+void losing_device(const Use& use) {
+  try {
+    use();
+  } catch (const vk::OutOfHostMemoryError& error) {
+    throw vk::DeviceLostError(error.what());
+  } catch (const vk::OutOfDeviceMemoryError& error) {
+    throw vk::DeviceLostError(error.what());
+  }
+}
 
 template <class Record>
 void run_now(const Device& device, Record&& record) {

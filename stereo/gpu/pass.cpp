@@ -174,12 +174,12 @@ vk::raii::Pipeline make_graphics_pipeline(const Device& device, const vk::raii::
 
 Timestamps::Timestamps(const Device& device, std::uint32_t count)
     : pool_(device.logical.createQueryPool({.queryType = vk::QueryType::eTimestamp, .queryCount = count})),
-      count_(count),
       bits_(device.timestamp_bits),
       period_ns_(device.timestamp_period_ns) {}
 
-void Timestamps::reset(const vk::raii::CommandBuffer& commands) const {
-  commands.resetQueryPool(*pool_, 0, count_);
+void Timestamps::reset(const vk::raii::CommandBuffer& commands, std::uint32_t first,
+                       std::uint32_t count) const {
+  commands.resetQueryPool(*pool_, first, count);
 }
 
 void Timestamps::write(const vk::raii::CommandBuffer& commands, std::uint32_t index) const {
@@ -187,12 +187,13 @@ void Timestamps::write(const vk::raii::CommandBuffer& commands, std::uint32_t in
 }
 
 Duration Timestamps::between(std::uint32_t from, std::uint32_t to) const {
+  const std::uint32_t count = to - from + 1;
   const auto [result, ticks] =
-      pool_.getResults<std::uint64_t>(0, count_, count_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
+      pool_.getResults<std::uint64_t>(from, count, count * sizeof(std::uint64_t), sizeof(std::uint64_t),
                                       vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  check(result == vk::Result::eSuccess, "timestamps are available once the fence is signalled");
+  check(result == vk::Result::eSuccess, "timestamps are available once the device has finished");
   return Duration(static_cast<std::int64_t>(
-      static_cast<double>(ticks_between(ticks[from], ticks[to], bits_)) * period_ns_));
+      static_cast<double>(ticks_between(ticks.front(), ticks.back(), bits_)) * period_ns_));
 }
 
 }  // namespace farshade::gpu

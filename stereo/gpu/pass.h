@@ -80,18 +80,20 @@ struct GraphicsPipeline {
   return (to - from) & (~std::uint64_t{0} >> (64 - bits));
 }
 
-/// Timestamps 0 to count - 1 of one submission.
+/// Timestamps 0 to count - 1.
 class Timestamps {
  public:
   Timestamps(const Device& device, std::uint32_t count);
-  void reset(const vk::raii::CommandBuffer& commands) const;
+  /// Timestamps are reset before they are written.
+  void reset(const vk::raii::CommandBuffer& commands, std::uint32_t first, std::uint32_t count) const;
   void write(const vk::raii::CommandBuffer& commands, std::uint32_t index) const;
-  /// The time between two timestamps. Call after the submission has finished.
+  /// The time between two timestamps, `from` < `to`. They and all between them have been written. Call after
+  /// the device has finished.
   [[nodiscard]] Duration between(std::uint32_t from, std::uint32_t to) const;
 
  private:
   vk::raii::QueryPool pool_;
-  std::uint32_t count_, bits_;
+  std::uint32_t bits_;
   double period_ns_;
 };
 

@@ -8,26 +8,36 @@
 namespace farshade {
 
 void PartialRequest::skip() {
-  drawn_.reset();
+  has_begun_ = false;
+  base_time_.reset();
   messages_used_ = 0;
 }
 
-void PartialRequest::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
-                             const PerEye<HiddenArea>& hidden) {
+void PartialRequest::begin(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
+                           const PerEye<HiddenArea>& hidden) {
   skip();
   // Finding what the lenses leave costs as much as reprojecting: then every request tries.
-  const bool lenses = hidden != PerEye<HiddenArea>{};
-  if (lenses) to_skip_ = last_skipped_ = 0;
+  has_lenses_ = hidden != PerEye<HiddenArea>{};
+  if (has_lenses_) to_skip_ = last_skipped_ = 0;
   if (base != nullptr && to_skip_ > 0) {
     --to_skip_;
     return;
   }
-  if (base != nullptr) reproject(request, slot, *base, hidden);
-  if (!drawn_ && lenses)
-    drawn_ = renderer_.reproject_to_request(request, slot, nullptr, reprojected_, &hidden);
-  if (!drawn_) return;
+  if (base != nullptr) {
+    const TracedMask mask = mask_of(*base);
+    has_begun_ = renderer_.reproject_to_request(request, slot, &mask, &hidden);
+    if (has_begun_) base_time_ = base->request.display_time;
+  }
+  if (!has_begun_ && has_lenses_)
+    has_begun_ = renderer_.reproject_to_request(request, slot, nullptr, &hidden);
+}
+
+void PartialRequest::complete(FrameRequest& request) {
+  if (!has_begun_) return;
+  renderer_.read_reprojected(reprojected_);
+  if (base_time_) refresh(request);
   const bool is_much = part_of(reprojected_.requested) > kMostRequested;
-  if (is_much && !lenses) {
+  if (is_much && !has_lenses_) {
     to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
     return;
   }
@@ -39,15 +49,11 @@ void PartialRequest::prepare(FrameRequest& request, std::size_t slot, const Requ
   request.answer.slices = narrow<std::uint32_t>(messages_used_);
 }
 
-/// Reprojects the mask of `base`, and asks again for the tiles whose turn has come.
-void PartialRequest::reproject(const FrameRequest& request, std::size_t slot, const RequestRecord& base,
-                               const PerEye<HiddenArea>& hidden) {
-  const TracedMask mask = mask_of(base);
-  drawn_ = renderer_.reproject_to_request(request, slot, &mask, reprojected_, &hidden);
-  if (!drawn_) return;
+/// Asks again for the tiles whose turn has come since the base.
+void PartialRequest::refresh(const FrameRequest& request) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    add_refresh(base.request.display_time, request.display_time, reprojected_.requested.lights,
-                reprojected_.covered[eye], reprojected_.requested.tiles[eye]);
+    add_refresh(*base_time_, request.display_time, reprojected_.requested.lights, reprojected_.covered[eye],
+                reprojected_.requested.tiles[eye]);
 }
 
 /// Asks for all blocks with a surface: whole views, but for what the lenses hide.

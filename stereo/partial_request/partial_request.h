@@ -25,30 +25,32 @@ class PartialRequest {
 
   explicit PartialRequest(Renderer& renderer) : renderer_(renderer) {}
 
-  /// Reprojects the mask of `base` to the views of `request`, whose record will get `slot`, and sets what
-  /// the request asks for. It asks for whole views if `base` is null or nothing can be reprojected, but for
-  /// what the lenses hide: `hidden` has no surface (Renderer::keep_depth), and a set of blocks has only those
-  /// with a surface.
-  void prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
-               const PerEye<HiddenArea>& hidden = {});
+  /// Begins to reproject the mask of `base` to the views of `request`, whose record will get `slot`. It does
+  /// not begin if there is no base and the lenses hide nothing, or nothing can be reprojected: then the
+  /// request asks for whole views. `hidden` has no surface (Renderer::keep_depth), and a set of blocks has
+  /// only those with a surface.
+  void begin(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
+             const PerEye<HiddenArea>& hidden = {});
+  /// Sets what the request asks for. Waits for what has begun, if it has. `request` is that of `begin`.
+  void complete(FrameRequest& request);
   /// This frame makes no request, or one for whole views that does not look at earlier masks.
   void skip();
 
-  /// What goes with the request. Valid until the next call.
+  /// What goes with the request, once it is complete. Valid until the next begin or skip.
   [[nodiscard]] RequestParts parts() const;
 
-  /// The times of the reprojection. No value if the depth of the requested views has not been drawn.
-  [[nodiscard]] const std::optional<DrawTimes>& drawn() const { return drawn_; }
+  /// It has begun. Then the depth of the requested views is drawn, too.
+  [[nodiscard]] bool has_begun() const { return has_begun_; }
 
  private:
-  void reproject(const FrameRequest& request, std::size_t slot, const RequestRecord& base,
-                 const PerEye<HiddenArea>& hidden);
+  void refresh(const FrameRequest& request);
   void ask_for_surfaces();
   void pack(const FrameRequest& request);
 
   Renderer& renderer_;
   RequestReprojection reprojected_;
-  std::optional<DrawTimes> drawn_;
+  bool has_begun_ = false, has_lenses_ = false;
+  std::optional<Time> base_time_;  ///< when the mask that is reprojected was shown; empty: there is none
   AskPacker packer_;
   std::vector<std::vector<std::byte>> messages_;
   std::size_t messages_used_ = 0;   ///< 0: whole views are asked for

@@ -87,8 +87,7 @@ TimewarpPass::TimewarpPass(const gpu::Device& device, const gpu::Image& shown, E
                                    {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute}},
-                                   "timewarp")),
-      stamps_(device, 2) {
+                                   "timewarp")) {
   gpu::bind_buffer(device, bindings_, 0, picture_);
   gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
   gpu::bind_buffer(device, bindings_, 2, light_of_);
@@ -143,8 +142,6 @@ void TimewarpPass::record(const vk::raii::CommandBuffer& commands, const StereoV
     for (int column = 0; column < 3; ++column)
       data.from_shown[eye * 3 + static_cast<std::size_t>(column)] = glm::vec4(from_shown[column], 0.0);
   }
-  stamps_.reset(commands);
-  stamps_.write(commands, 0);
   barrier(commands);
   if (source == Source::Shown) copy_shown(commands);
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(effect));
@@ -153,7 +150,6 @@ void TimewarpPass::record(const vk::raii::CommandBuffer& commands, const StereoV
   commands.dispatch((size_.width + FARSHADE_TIMEWARP_GROUP - 1) / FARSHADE_TIMEWARP_GROUP, size_.height,
                     kEyes);
   barrier(commands);
-  stamps_.write(commands, 1);
 }
 
 std::size_t TimewarpPass::pipelines() const {

@@ -37,8 +37,6 @@ class TimewarpPass {
   /// views `shown` that of the image.
   void record(const vk::raii::CommandBuffer& commands, const StereoView& from, const StereoView& shown,
               Source source, Effect effect);
-  /// The time on the device of the last `record`. Call after the device has finished.
-  [[nodiscard]] Duration time() const { return stamps_.between(0, 1); }
 
   [[nodiscard]] std::size_t pipelines() const;
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
@@ -57,7 +55,6 @@ class TimewarpPass {
   vk::raii::PipelineLayout layout_{nullptr};
   std::array<vk::raii::Pipeline, 2> pipelines_{nullptr,
                                                nullptr};  ///< one for each effect, created at first use
-  gpu::Timestamps stamps_;
 };
 
 }  // namespace farshade

@@ -128,11 +128,11 @@ void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
 void time_request_reprojection(Renderer& renderer, const FrameRequest& request, std::size_t slot,
                                const TracedMask& base, Times& times) {
   RequestReprojection reprojection;
-  const std::optional<DrawTimes> reprojected =
-      renderer.reproject_to_request(request, slot, &base, reprojection);
-  if (!reprojected) return;
-  times.request_reprojection.push_back(ms_of(reprojected->request_reprojection));
-  times.ask.push_back(ms_of(reprojected->total));
+  const Stopwatch asking;
+  if (!renderer.reproject_to_request(request, slot, &base)) return;
+  renderer.read_reprojected(reprojection);
+  times.ask.push_back(ms_of(asking.elapsed()));
+  times.request_reprojection.push_back(ms_of(renderer.finish().request_reprojection));
   times.requested_percent.push_back(100 * part_of(reprojection.requested));
 }
 
@@ -184,15 +184,18 @@ Expected<void> run(const Options& options) {
                      .reprojection = {},
                      .request_slot = assembler.find(request.frame)->slot,
                      .detail = Detail::Full};
-    const DrawTimes full = renderer->draw(frame);
+    renderer->draw(frame);
+    const DrawTimes full = renderer->finish();
     times.full_triangles = full.triangles;
     frame.detail = Detail::Levels;
-    const DrawTimes drawn = renderer->draw(frame);
+    renderer->draw(frame);
+    const DrawTimes drawn = renderer->finish();
     times.triangles = drawn.triangles;
     if (masks.empty()) continue;
     for (ReprojectionMode& mode : times.modes) {
       frame.reprojection = mode.reprojection;
-      const DrawTimes again = renderer->shade_again(frame);
+      renderer->shade_again(frame);
+      const DrawTimes again = renderer->finish();
       if (number > kWarmUp_frames) mode.ms.push_back(ms_of(again.shade));
     }
     if (number <= kWarmUp_frames) continue;

@@ -75,12 +75,13 @@ class PlanPair {
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
     const double taken_ms = collect_ms(assembler_, datagrams);
     const std::vector<TracedMask> masks = usable_masks(assembler_, shown.frame);
-    const DrawTimes drawn = renderer_->draw({.views = shown.views,
-                                             .state = state_,
-                                             .request = &request,
-                                             .masks = masks,
-                                             .reprojection = {},
-                                             .request_slot = assembler_.find(request.frame)->slot});
+    renderer_->draw({.views = shown.views,
+                     .state = state_,
+                     .request = &request,
+                     .masks = masks,
+                     .reprojection = {},
+                     .request_slot = assembler_.find(request.frame)->slot});
+    const DrawTimes drawn = renderer_->finish();
     if (masks.empty()) return std::nullopt;
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
                    .shadow_rays = static_cast<double>(stats.shadow_rays),

@@ -125,7 +125,8 @@ class Bench {
   void look(double yaw_rad) {
     const FrameRequest request = request_of(scene_, yaw_rad, options_.side_px);
     const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .reprojection = {}};
-    draw_ms_.push_back(ms_of(renderer_->draw(frame).total));
+    renderer_->draw(frame);
+    draw_ms_.push_back(ms_of(renderer_->finish().total));
     const Stopwatch reading;
     renderer_->read_gbuffer(gbuffer_);
     read_ms_.push_back(ms_of(reading.elapsed()));
@@ -133,6 +134,7 @@ class Bench {
       travels_[i].take(both(planes_of(gbuffer_, kGBufferKinds[i])), kGBufferKinds[i], packer_);
     const Stopwatch receiving;
     renderer_->draw_received(gbuffer_, frame);
+    renderer_->finish();
     received_ms_.push_back(ms_of(receiving.elapsed()));
     const PerEye<Image<float>> distance = renderer_->read_distance();
     const Stopwatch tracing;

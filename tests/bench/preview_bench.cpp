@@ -137,6 +137,7 @@ void compare(const BenchOptions& options) {
                       .masks = masks,
                       .reprojection = {},
                       .request_slot = request.frame.value % kRing_frames});
+      renderer->submit();
       const Stopwatch showing;
       if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
       device.logical.waitIdle();

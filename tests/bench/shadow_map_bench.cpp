@@ -56,10 +56,13 @@ class Comparison {
   void compare(const FrameMoment& request, Figures& figures) {
     tracer_.trace({request}, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
-    figures.maps_ms.push_back(ms(always_->draw(with_maps(request, start_, always_settings_)).maps));
+    always_->draw(with_maps(request, start_, always_settings_));
+    figures.maps_ms.push_back(ms(always_->finish().maps));
     renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
+    renderer_->finish();
     animated_ = animated_ + kPeriod;
-    const DrawTimes moved = renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
+    renderer_->draw(with_maps(request, state_at(scene_, animated_), settings_));
+    const DrawTimes moved = renderer_->finish();
     figures.moved_ms.push_back(ms(moved.maps));
     figures.shade_ms.push_back(ms(moved.shade));
     figures.gbuffer_ms.push_back(ms(moved.gbuffer));
@@ -101,9 +104,8 @@ class Comparison {
                                          .masks = truth_.masks,
                                          .received_tiles = known,
                                          .content = request.frame.value}};
-    const DrawTimes times =
-        renderer_->draw({.views = request.views, .state = start_, .masks = masks, .reprojection = {}});
-    figures.masks_ms.push_back(ms(times.shade));
+    renderer_->draw({.views = request.views, .state = start_, .masks = masks, .reprojection = {}});
+    figures.masks_ms.push_back(ms(renderer_->finish().shade));
     return renderer_->read_shown();
   }
 

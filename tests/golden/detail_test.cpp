@@ -30,8 +30,8 @@ class LevelsInPictures : public OnLavapipe {
     std::uint64_t triangles = 0;  ///< of the G-buffer
   };
   Drawn draw(Renderer& with, const StereoView& views, Detail detail) const {
-    const DrawTimes drawn =
-        with.draw({.views = views, .state = state_, .masks = {}, .reprojection = {}, .detail = detail});
+    with.draw({.views = views, .state = state_, .masks = {}, .reprojection = {}, .detail = detail});
+    const DrawTimes drawn = with.finish();
     return {with.read_shown(), drawn.triangles.gbuffer};
   }
 
@@ -147,10 +147,11 @@ TEST_F(OnLavapipe, ClustersOutsideOfTheViewsAreLeftOut) {
   Renderer& renderer = *renderer_owner;
   for (int direction = 0; direction < 7; ++direction) {
     const auto head = moved({}, 0.9 * direction, {0.3, 0.1 * direction, 0});
-    const DrawTimes drawn = renderer.draw({.views = eyes_of(head, kDetailSide_px),
-                                           .state = state_at(scene, Time{}),
-                                           .masks = {},
-                                           .reprojection = {}});
+    renderer.draw({.views = eyes_of(head, kDetailSide_px),
+                   .state = state_at(scene, Time{}),
+                   .masks = {},
+                   .reprojection = {}});
+    const DrawTimes drawn = renderer.finish();
     for (const Image<float>& eye : renderer.read_distance())
       EXPECT_GT(*std::ranges::min_element(eye.pixels), 0) << direction;
     EXPECT_LT(drawn.triangles.gbuffer, triangles) << "half of both eyes' triangles";

@@ -99,12 +99,14 @@ class Economy : public OnLavapipe {
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = all_lit(plan.mask, first.frame, shown);
     const std::vector<TracedMask> masks{mask.traced_mask()};
-    const DrawTimes times = renderer.draw({.views = shown,
-                                           .state = now,
-                                           .request = &second,
-                                           .masks = masks,
-                                           .reprojection = {},
-                                           .request_slot = 1});
+    renderer.finish();
+    renderer.draw({.views = shown,
+                   .state = now,
+                   .request = &second,
+                   .masks = masks,
+                   .reprojection = {},
+                   .request_slot = 1});
+    const DrawTimes times = renderer.finish();
     return {renderer.counters(), stream_bytes(scene, plan, {}).total(), times.triangles};
   }
 };
@@ -337,9 +339,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = in_words_of(plan.mask, traced(first));
     const std::vector<TracedMask> masks{mask.traced_mask()};
-    RequestReprojection reprojected;
-    EXPECT_EQ(renderer.reproject_to_request({FrameId{3}, kThen, kThen, shown}, 2, masks.data(), reprojected)
-                  .has_value(),
+    EXPECT_EQ(renderer.reproject_to_request({FrameId{3}, kThen, kThen, shown}, 2, masks.data()),
               plan.depth_pass);
     renderer.draw({.views = shown,
                    .state = now,

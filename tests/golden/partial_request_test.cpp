@@ -22,11 +22,12 @@ class PartialRequestsInARow : public OnLavapipe {
                           .scene_time = {},
                           .views = views,
                           .lights = lights_}};
-    partial_request_.prepare(request, assembler_.next_slot(),
-                             number > apart_ ? assembler_.find({number - apart_}) : nullptr, hidden_);
+    partial_request_.begin(request, assembler_.next_slot(),
+                           number > apart_ ? assembler_.find({number - apart_}) : nullptr, hidden_);
+    partial_request_.complete(request);
     requested_ = request.requested;
     assembler_.expect(request, layout_, lights_.revision, {}, partial_request_.parts().reprojected);
-    if (!partial_request_.drawn())
+    if (!partial_request_.has_begun())
       renderer_->keep_depth(request, assembler_.find(request.frame)->slot, distances_);
     tracer_.trace(request, traced_);
     if (spoil) spoil(traced_);
@@ -118,7 +119,7 @@ TEST_F(PartialRequestsInARow, TriesSeldomIfEveryRequestWouldAskForTooMuch) {
     for (std::uint32_t light = 0; light < scene_.lights.size(); ++light)
       change(lights_, light, number % 2 == 0, std::nullopt);
     ask(number, views);
-    tried += partial_request_.drawn().has_value();
+    tried += partial_request_.has_begun();
     EXPECT_TRUE(requested_.whole()) << number;
   }
   EXPECT_EQ(tried, 6u);  // after 0, 1, 3, 7, 15 and 31 that do not

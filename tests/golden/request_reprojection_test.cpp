@@ -114,7 +114,8 @@ TEST_F(ReprojectionToRequest, WithoutABaseAsksForAllLightsWhereASurfaceIs) {
   const std::unique_ptr<Renderer> renderer_owner =
       make_renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
   Renderer& renderer = *renderer_owner;
-  ASSERT_TRUE(renderer.reproject_to_request(request, 0, nullptr, reprojected));
+  ASSERT_TRUE(renderer.reproject_to_request(request, 0, nullptr));
+  renderer.read_reprojected(reprojected);
   std::size_t surfaces = 0, blocks = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const RequestedTile all = all_lights_in(kAllBlocks, reprojected.requested.lights);

@@ -35,12 +35,13 @@ class ShadowMapRig {
                                 {kSize, kSize, 1})) {}
 
   DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& settings) {
-    return renderer_->draw({.views = eyes_of(head, kSide_px),
-                            .state = state_,
-                            .masks = {},
-                            .reprojection = {},
-                            .report = PixelReport::On,
-                            .shadow_maps = &settings});
+    renderer_->draw({.views = eyes_of(head, kSide_px),
+                     .state = state_,
+                     .masks = {},
+                     .reprojection = {},
+                     .report = PixelReport::On,
+                     .shadow_maps = &settings});
+    return renderer_->finish();
   }
 
   void show_traced(const Rigid<Stage, Head>& head) {
@@ -78,7 +79,7 @@ class ShadowMapRig {
   }
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  [[nodiscard]] const Renderer& renderer() const { return *renderer_; }
+  [[nodiscard]] Renderer& renderer() { return *renderer_; }
   void set(Time scene_time, const LightChanges& changes = {}) {
     state_ = state_at(scene_, scene_time, changes);
   }

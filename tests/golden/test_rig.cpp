@@ -219,8 +219,9 @@ std::optional<RequestReprojection> TestRig::reproject_to_request(FrameId frame, 
   PerEye<HiddenArea> hidden;
   if (hidden_) hidden = hidden_in_request(*hidden_, views, views);
   const TracedMask mask = base.traced_mask();
-  if (!renderer_->reproject_to_request(request, frame.value % depth_frames_, &mask, reprojected, &hidden))
+  if (!renderer_->reproject_to_request(request, frame.value % depth_frames_, &mask, &hidden))
     return std::nullopt;
+  renderer_->read_reprojected(reprojected);
   return reprojected;
 }
 

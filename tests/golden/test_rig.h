@@ -111,7 +111,7 @@ class TestRig {
           float detail_px = 0);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
-  [[nodiscard]] const Renderer& renderer() const { return *renderer_; }
+  [[nodiscard]] Renderer& renderer() { return *renderer_; }
   [[nodiscard]] Rigid<Stage, Head> head() const { return head_at_camera(scene_); }
   [[nodiscard]] StereoView eyes(const Rigid<Stage, Head>& head) const { return eyes_of(head, side_px_); }
 

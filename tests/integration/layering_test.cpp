@@ -88,7 +88,7 @@ std::vector<Layer> program_layers() {
           {"stereo/requests", {"stereo/head"}},
           {"stereo/link", {"stereo/net", "stereo/answers"}},
           {"stereo/partial_request", {"stereo/draw", "stereo/link", "stereo/requests"}},
-          {"vr_client/runtime", {"stereo/head"}},
+          {"vr_client/runtime", {"stereo/head", "stereo/gpu"}},
           {"vr_client/openxr", {"vr_client/runtime", "stereo/gpu"}},
           {"vr_client/fetch", {"stereo/fetch", "stereo/net"}},
           {"vr_client/pair", {"stereo/pair"}},

@@ -34,8 +34,9 @@ struct Drawing {
     for (const RequestRecord* record : receiver.received(now))
       if (base == nullptr && receiver.is_settled(*record)) base = record;
     const std::size_t slot = receiver.next_slot();
-    partial_request.prepare(request, slot, base);
-    if (!partial_request.drawn()) renderer->keep_depth(request, slot, distances);
+    partial_request.begin(request, slot, base);
+    partial_request.complete(request);
+    if (!partial_request.has_begun()) renderer->keep_depth(request, slot, distances);
   }
 
   std::unique_ptr<Renderer> renderer;

@@ -60,7 +60,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     state.light_set.exposure = exposure_of(context);
     const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};
-    const std::optional<FrameRequest> request = pipeline.request(inputs);
+    std::optional<FrameRequest> request = pipeline.request(inputs);
 
     starts.collect = clock.now();
     const Duration busy = context.link ? context.link->busy() : Duration::zero();
@@ -69,11 +69,16 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
 
     starts.draw = clock.now();
     const DrawnFrame drawn_frame = pipeline.draw(inputs);
+    context.runtime.add_output([&](const gpu::Recording& record) { context.renderer.append(record); });
+    context.renderer.submit();
     context.runtime.end_frame(timing->display_time);
+    const Time submitted = clock.now();
+    if (std::optional<FrameRequest> late = pipeline.request_late(inputs)) request = std::move(late);
+    const Duration late = clock.now() - submitted;
+    StageTimes times{context.renderer.finish()};
     starts.end = clock.now();
 
-    StageTimes times{drawn_frame.drawn};
-    times.request = starts.collect - starts.request;
+    times.request = starts.collect - starts.request + late;
     times.collect =
         context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect;
     times.frame = times.request + times.collect + times.total;

@@ -42,7 +42,6 @@ struct FrameInputs {
 
 /// How a frame was drawn. References are valid until the next frame begins.
 struct DrawnFrame {
-  DrawTimes drawn;
   ShownAs as = ShownAs::Shaded;
   bool start_up = false;                ///< no answer that the mode needs has come yet
   std::span<const TracedMask> masks{};  ///< the masks it was drawn with, the most trusted first
@@ -54,7 +53,7 @@ struct DrawnFrame {
   Duration decoding{};  ///< the time for decoding answers, without that of the link
 };
 
-/// The three steps of a frame in one mode. The frame loop calls them in order. The modes are in
+/// The steps of a frame in one mode. The frame loop calls them in order. The modes are in
 /// vr_client/modes; the steps that modes share are in modes/mask_stream.h and in the renderer.
 class ModePipeline {
  public:
@@ -65,15 +64,19 @@ class ModePipeline {
   /// afterwards. The default draws nothing: Renderer::compile_steps suffice.
   virtual void draw_ahead(const FrameInputs&) {}
 
-  /// Sends this frame's request and returns it, if there is one. The default is that of modes without a
-  /// server.
+  /// Sends this frame's request and returns it, if there is one that need not wait for the device. The
+  /// default is that of modes without a server.
   virtual std::optional<FrameRequest> request(const FrameInputs&) { return std::nullopt; }
 
   /// Receives answers, or traces. The default does nothing.
   virtual void collect(const FrameInputs&) {}
 
-  /// Draws the picture, which stays in the renderer.
+  /// Records the picture, which stays in the renderer.
   virtual DrawnFrame draw(const FrameInputs& inputs) = 0;
+
+  /// After the frame was submitted: sends its request and returns it, if there is one that `request` did not
+  /// send because it depends on what the device finds. Waits for that.
+  virtual std::optional<FrameRequest> request_late(const FrameInputs&) { return std::nullopt; }
 };
 
 }  // namespace farshade

@@ -26,13 +26,13 @@ class Full final : public ModePipeline {
     Reprojection reprojection = inputs.settings.reprojection;
     reprojection.lookup = Lookup::Direct;
     const std::span<const TracedMask> masks(mask_ ? &*mask_ : nullptr, mask_ ? 1 : 0);
-    return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
-                                             .state = inputs.state,
-                                             .masks = masks,
-                                             .reprojection = reprojection,
-                                             .report = inputs.settings.report,
-                                             .hidden = inputs.hidden}),
-            .masks = masks};
+    context_.renderer.draw({.views = inputs.shown.views,
+                            .state = inputs.state,
+                            .masks = masks,
+                            .reprojection = reprojection,
+                            .report = inputs.settings.report,
+                            .hidden = inputs.hidden});
+    return {.masks = masks};
   }
 
  private:
@@ -48,13 +48,14 @@ class Local final : public ModePipeline {
   void draw_ahead(const FrameInputs& inputs) override { static_cast<void>(draw(inputs)); }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
-                                             .state = inputs.state,
-                                             .masks = {},
-                                             .reprojection = {},
-                                             .report = inputs.settings.report,
-                                             .shadow_maps = &context_.mode.shadow_maps,
-                                             .hidden = inputs.hidden})};
+    context_.renderer.draw({.views = inputs.shown.views,
+                            .state = inputs.state,
+                            .masks = {},
+                            .reprojection = {},
+                            .report = inputs.settings.report,
+                            .shadow_maps = &context_.mode.shadow_maps,
+                            .hidden = inputs.hidden});
+    return {};
   }
 
  private:
@@ -91,6 +92,7 @@ void draw_ahead(const RunContext& context, Time first_display_time) {
                           context.runtime.locate_views(first_display_time), context.settings.lights};
   const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
   make_pipeline(context)->draw_ahead({shown, state, Duration{}, context.settings});
+  static_cast<void>(context.renderer.finish());
 }
 
 }  // namespace farshade

@@ -34,10 +34,8 @@ bool wait_until_idle(ServerConnection& link, FrameId frame, Duration patience) {
 
 DrawnFrame draw_black(Renderer& renderer, const StereoView& shown) {
   const PerEye<Image<Rgb8>> black{Image<Rgb8>(shown[0].size), Image<Rgb8>(shown[1].size)};
-  return {.drawn = renderer.show_timewarped(black, shown, shown),
-          .as = ShownAs::Picture,
-          .start_up = true,
-          .black = {1.0, 1.0}};
+  renderer.show_timewarped(black, shown, shown);
+  return {.as = ShownAs::Picture, .start_up = true, .black = {1.0, 1.0}};
 }
 
 MaskStream::MaskStream(ServerConnection* link, const MaskPolicy& policy, const RequestSettings& settings,

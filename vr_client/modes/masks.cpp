@@ -24,13 +24,6 @@ SceneMotion motion_of(const Renderer& renderer) {
   return renderer.anything_moves() ? SceneMotion::Moving : SceneMotion::Still;
 }
 
-/// Adds what was drawn before the request to what was drawn after it.
-void add_depth(const DrawTimes& before, DrawTimes& drawn) {
-  drawn.depth += before.depth;
-  drawn.request_reprojection += before.request_reprojection;
-  drawn.triangles.depth += before.triangles.depth;
-}
-
 /// What the lenses hide of the views of a request.
 PerEye<HiddenArea> hidden_in(const FrameRequest& request, const FrameInputs& inputs) {
   if (inputs.hidden == nullptr) return {};
@@ -44,6 +37,7 @@ class Hybrid final : public ModePipeline {
         coding_(context.mode.mask_code == MaskCode::Lz4 ? Coding::Lz4 : Coding::AfterLast),
         mask_stream_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         cube_mask_(asks_for_parts() ? context.link : nullptr, context.policy, motion_of(context.renderer)),
+        is_sent_late_(context.policy.pace == Pace::Real && context.policy.mask_wait == Duration::zero()),
         partial_request_(context.renderer),
         masks_(context.renderer.anything_moves()) {}
 
@@ -56,12 +50,21 @@ class Hybrid final : public ModePipeline {
       // Receives first: what has come decides which slot is next.
       const RequestRecord* const newest = mask_stream_.newest_settled(inputs);
       const RequestRecord* const base = inputs.settings.request.asks == Asks::Unknown ? newest : nullptr;
-      partial_request_.prepare(*request, mask_stream_.next_slot(), base, hidden_in(*request, inputs));
+      partial_request_.begin(*request, mask_stream_.next_slot(), base, hidden_in(*request, inputs));
     }
-    if (request) mask_stream_.send(inputs, *request, partial_request_.parts());
-    cube_mask_.send(inputs);
     requested_ = request ? std::optional(request->frame) : std::nullopt;
+    late_.reset();
+    if (is_sent_late_ && partial_request_.has_begun())
+      late_ = std::exchange(request, std::nullopt);
+    else if (request)
+      complete_and_send(inputs, *request);
+    cube_mask_.send(inputs);
     return request;
+  }
+
+  std::optional<FrameRequest> request_late(const FrameInputs& inputs) override {
+    if (late_) complete_and_send(inputs, *late_);
+    return std::exchange(late_, std::nullopt);
   }
 
   void collect(const FrameInputs& inputs) override {
@@ -71,13 +74,16 @@ class Hybrid final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    const RequestRecord* const undrawn = partial_request_.drawn() ? nullptr : mask_stream_.record(requested_);
-    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, mask_stream_, &cube_mask_);
-    if (partial_request_.drawn()) add_depth(*partial_request_.drawn(), drawn.drawn);
-    return drawn;
+    const RequestRecord* const undrawn =
+        partial_request_.has_begun() ? nullptr : mask_stream_.record(requested_);
+    return masks_.draw(renderer_, inputs, undrawn, mask_stream_, &cube_mask_);
   }
 
  private:
+  void complete_and_send(const FrameInputs& inputs, FrameRequest& request) {
+    partial_request_.complete(request);
+    mask_stream_.send(inputs, request, partial_request_.parts());
+  }
   /// A block of masks holds whole views, and none of the cube mask.
   [[nodiscard]] bool asks_for_parts() const { return coding_ != Coding::Lz4; }
 
@@ -85,8 +91,11 @@ class Hybrid final : public ModePipeline {
   Coding coding_;
   MaskStream mask_stream_;
   CubeMask cube_mask_;
+  /// In virtual time, and if a frame waits for its own answer, a request is sent before its frame is drawn.
+  bool is_sent_late_;
   PartialRequest partial_request_;
   MaskSources masks_;
+  std::optional<FrameRequest> late_;  ///< waits for what its frame leaves unknown
   std::optional<FrameId> requested_;  ///< in this frame
 };
 
@@ -104,7 +113,6 @@ class ClientPositions final : public ModePipeline {
         bounds_(context.scene) {}
 
   std::optional<FrameRequest> request(const FrameInputs& inputs) override {
-    drawn_ = {};
     std::optional<FrameRequest> request = mask_stream_.plan(inputs, answer());
     if (!request) return request;
     pack(*request, hidden_in(*request, inputs));
@@ -120,9 +128,7 @@ class ClientPositions final : public ModePipeline {
 
   DrawnFrame draw(const FrameInputs& inputs) override {
     // pack() has kept the depth of the requested views.
-    DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, mask_stream_);
-    add_depth(drawn_, drawn.drawn);
-    return drawn;
+    return masks_.draw(context_.renderer, inputs, nullptr, mask_stream_);
   }
 
  private:
@@ -132,7 +138,7 @@ class ClientPositions final : public ModePipeline {
 
   /// Writes the positions of the pixels of the requested views into messages.
   void pack(const FrameRequest& request, const PerEye<HiddenArea>& hidden) {
-    drawn_ = context_.renderer.keep_depth(request, mask_stream_.next_slot(), distances_, &hidden);
+    context_.renderer.keep_depth(request, mask_stream_.next_slot(), distances_, &hidden);
     const Bounds bounds = bounds_.at(request.scene_time);
     const PositionGrid grid = grid_of({bounds.low}, {bounds.high}, context_.mode.position_bits);
     messages_used_ = 0;
@@ -154,7 +160,6 @@ class ClientPositions final : public ModePipeline {
   MaskStream mask_stream_;
   MaskSources masks_;
   MovingBounds bounds_;
-  DrawTimes drawn_;
   PerEye<Image<float>> distances_;
   PositionPlanes planes_;
   PlanePacker packer_;
@@ -197,18 +202,17 @@ DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, cons
   reprojection.lookup = lookup(inputs.shown, reprojection.lookup);
   const std::vector<FaceRequest> faces = cube_mask ? cube_mask->requested() : std::vector<FaceRequest>{};
   const auto around = cube_mask ? cube_mask->masks() : std::span<const TracedMask>{};
-  DrawnFrame drawn{.drawn = renderer.draw({.views = inputs.shown.views,
-                                           .state = inputs.state,
-                                           .request = record ? &record->request : nullptr,
-                                           .masks = masks_,
-                                           .cube_mask = around,
-                                           .reprojection = reprojection,
-                                           .report = inputs.settings.report,
-                                           .request_slot = record ? record->slot : 0,
-                                           .faces = faces,
-                                           .hidden = inputs.hidden}),
-                   .cube_mask = around,
-                   .cube_mask_cost = cube_mask ? cube_mask->cost() : CubeMaskCost{}};
+  renderer.draw({.views = inputs.shown.views,
+                 .state = inputs.state,
+                 .request = record ? &record->request : nullptr,
+                 .masks = masks_,
+                 .cube_mask = around,
+                 .reprojection = reprojection,
+                 .report = inputs.settings.report,
+                 .request_slot = record ? record->slot : 0,
+                 .faces = faces,
+                 .hidden = inputs.hidden});
+  DrawnFrame drawn{.cube_mask = around, .cube_mask_cost = cube_mask ? cube_mask->cost() : CubeMaskCost{}};
   // The renderer passes over masks without depth.
   const RequestRecord* first = nullptr;
   drawn_with_.clear();

@@ -52,14 +52,11 @@ class ServerGBuffer final : public ModePipeline {
       state.light_set.lights[i].intensity = inputs.state.light_set.lights[i].intensity;
     state.light_set.exposure = inputs.state.light_set.exposure;
     const TracedMask mask = mask_of(*newest_);
-    DrawTimes drawn = context_.renderer.draw_received(
+    context_.renderer.draw_received(
         covered(newest_->gbuffer),
         {.views = made_for.views, .state = state, .masks = {&mask, 1}, .reprojection = {}});
-    const DrawTimes turned = context_.renderer.timewarp_shown(made_for.views, inputs.shown.views);
-    drawn.timewarp += turned.timewarp;
-    drawn.total += turned.total;
-    return {.drawn = drawn,
-            .as = ShownAs::Picture,
+    context_.renderer.timewarp_shown(made_for.views, inputs.shown.views);
+    return {.as = ShownAs::Picture,
             .newest = newest_,
             .age = age_of(*newest_, inputs),
             .black = outside_share(made_for.views, inputs.shown.views)};

@@ -163,8 +163,8 @@ class Remote final : public ModePipeline {
     const StereoView& shown = inputs.shown.views;
     if (picture == nullptr) return draw_black(context_.renderer, shown);
     const StereoView& from = picture->request.views;
-    return {.drawn = context_.renderer.show_timewarped(picture->eyes, from, shown),
-            .as = ShownAs::Picture,
+    context_.renderer.show_timewarped(picture->eyes, from, shown);
+    return {.as = ShownAs::Picture,
             .newest = stream_.received(),
             .age = stream_.age(inputs),
             .black = outside_share(from, shown),
@@ -198,11 +198,13 @@ class Delta final : public ModePipeline {
                            .reprojection = {},
                            .hidden = inputs.hidden};
     const VideoStream::Picture* const picture = stream_.picture();
-    if (picture == nullptr)
-      return {.drawn = context_.renderer.draw(frame), .as = ShownAs::Picture, .start_up = true};
+    if (picture == nullptr) {
+      context_.renderer.draw(frame);
+      return {.as = ShownAs::Picture, .start_up = true};
+    }
     const StereoView& from = picture->request.views;
-    return {.drawn = context_.renderer.draw_with_difference(frame, picture->eyes, from),
-            .as = ShownAs::Picture,
+    context_.renderer.draw_with_difference(frame, picture->eyes, from);
+    return {.as = ShownAs::Picture,
             .newest = stream_.received(),
             .age = stream_.age(inputs),
             .black = outside_share(from, inputs.shown.views),

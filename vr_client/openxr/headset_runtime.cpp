@@ -33,7 +33,7 @@ Rigid<Stage, Tracked> place(const Rigid<Tracked, Eye>& head, const Rigid<Stage, 
 class OpenXrRuntime final : public HeadsetRuntime {
  public:
   OpenXrRuntime(Instance& instance, const gpu::Device& device, const gpu::Image& shown, HeadsetSetup setup)
-      : setup_(std::move(setup)), shown_(shown), copy_(device), session_(instance, device, setup_) {}
+      : setup_(std::move(setup)), shown_(shown), session_(instance, device, setup_) {}
 
   [[nodiscard]] Expected<void> open() { return session_.open(); }
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
@@ -41,6 +41,7 @@ class OpenXrRuntime final : public HeadsetRuntime {
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const override {
     return session_.hidden() == PerEye<HiddenArea>{} ? nullptr : &session_.hidden();
   }
+  void add_output(const gpu::Recorder& append) override;
   void end_frame(Time display_time) override;
   [[nodiscard]] Expected<void> finish() override;
   [[nodiscard]] const Counters& counters() const override { return counters_; }
@@ -51,6 +52,7 @@ class OpenXrRuntime final : public HeadsetRuntime {
 
  private:
   enum class Frame : std::uint8_t { Begun, None };
+  enum class Output : std::uint8_t { None, Picture, PictureAndDepth };
   [[nodiscard]] Time display_time() const { return time_from_ns(frame_.predictedDisplayTime); }
   [[nodiscard]] Duration period() const;
   [[nodiscard]] bool wait_for_frame();
@@ -62,11 +64,11 @@ class OpenXrRuntime final : public HeadsetRuntime {
 
   HeadsetSetup setup_;
   const gpu::Image& shown_;
-  PictureCopy copy_;
   HeadsetSession session_;
   XrFrameState frame_{};  ///< the frame that has begun last
   std::optional<Located> located_;
   std::optional<Rigid<Stage, Tracked>> stage_from_tracked_;  ///< empty until a head is seen
+  Output output_ = Output::None;                             ///< of the frame that has begun, recorded
   BlockingCalls blocking_;                                   ///< xrWaitFrame
   Counters counters_;
 };
@@ -182,7 +184,10 @@ std::optional<vk::Image> OpenXrRuntime::next_image(const Swapchain& swapchain) {
   return image;
 }
 
-void OpenXrRuntime::end_frame(Time) {
+/// The images are acquired and waited for before the copies into them are recorded, and released after they
+/// were submitted.
+void OpenXrRuntime::add_output(const gpu::Recorder& append) {
+  output_ = Output::None;
   const Swapchain& pictures = session_.current().pictures();
   const Swapchain* const depths = setup_.depth ? session_.current().depths() : nullptr;
   const std::optional<vk::Image> picture = next_image(pictures);
@@ -196,14 +201,19 @@ void OpenXrRuntime::end_frame(Time) {
     copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, *depth,
                       vk::ImageLayout::eDepthStencilAttachmentOptimal});
   }
-  const Stopwatch watch;
-  copy_.copy(copies, setup_.eye_size);
-  counters_.copying += watch.elapsed();
-  if (!session_.fine(pictures.release(), "xrReleaseSwapchainImage") ||
-      (depths && !session_.fine(depths->release(), "xrReleaseSwapchainImage")))
+  append([&](const vk::raii::CommandBuffer& commands) { record_copies(commands, copies, setup_.eye_size); });
+  output_ = depths ? Output::PictureAndDepth : Output::Picture;
+}
+
+void OpenXrRuntime::end_frame(Time) {
+  if (output_ == Output::None) return;
+  const bool has_depth = output_ == Output::PictureAndDepth;
+  Session& session = session_.current();
+  if (!session_.fine(session.pictures().release(), "xrReleaseSwapchainImage") ||
+      (has_depth && !session_.fine(session.depths()->release(), "xrReleaseSwapchainImage")))
     return;
-  if (session_.fine(session_.current().end_frame(frame_.predictedDisplayTime, located_,
-                                                 depths ? Depth::Submitted : Depth::None),
+  if (session_.fine(session.end_frame(frame_.predictedDisplayTime, located_,
+                                      has_depth ? Depth::Submitted : Depth::None),
                     "xrEndFrame"))
     ++counters_.submitted;
 }

@@ -57,7 +57,6 @@ class HeadsetRuntime : public Runtime {
   struct Counters {
     std::uint64_t submitted = 0;  ///< frames with a picture
     std::uint64_t empty = 0;      ///< frames without one, which the runtime did not show
-    Duration copying{};           ///< pictures and depth into the runtime's images, all frames together
   };
   [[nodiscard]] virtual const Counters& counters() const = 0;
   /// Of the display, as the runtime states it, or as the period of the last frame says. Call after a frame
@@ -82,7 +81,7 @@ class HeadsetSystem {
   [[nodiscard]] virtual gpu::VulkanMaker vulkan() const = 0;
 
   /// Makes a session. `device` was made by this system. `shown` is the picture of both eyes that each
-  /// end_frame submits: two layers of rgba8 UNORM, coded as sRGB, layout General. Keeps all references.
+  /// frame submits: two layers of rgba8 UNORM, coded as sRGB, layout General. Keeps all references.
   [[nodiscard]] virtual Expected<std::unique_ptr<HeadsetRuntime>> open_runtime(const gpu::Device& device,
                                                                                const gpu::Image& shown,
                                                                                HeadsetSetup setup) = 0;

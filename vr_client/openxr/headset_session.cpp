@@ -26,6 +26,17 @@ SessionState state_of(XrSessionState state) {
 /// A call that blocks may still use the device.
 HeadsetSession::~HeadsetSession() {
   if (abandoned_) gpu::abandon(device_);
+  end_session();
+}
+
+/// The images of a session may be destroyed when the device has finished the frame that is under way.
+void HeadsetSession::end_session() {
+  try {
+    if (session_ && !abandoned_) gpu::run_now(device_, [](const vk::raii::CommandBuffer&) {});
+  } catch (const vk::SystemError&) {
+    // The device is lost; the frame that used it last is told.
+  }
+  session_.reset();
 }
 
 Expected<void> HeadsetSession::open() {
@@ -108,7 +119,7 @@ void HeadsetSession::abandon() {
 }
 
 Expected<void> HeadsetSession::close() {
-  session_.reset();
+  end_session();
   if (failed_) return tl::unexpected(*failed_);
   return {};
 }
@@ -117,7 +128,7 @@ Expected<void> HeadsetSession::close() {
 /// again between two calls.
 void HeadsetSession::replace() {
   spdlog::warn("the headset's session is lost; waiting for the headset");
-  session_.reset();
+  end_session();
   recentres_ = {std::numeric_limits<XrTime>::min()};  // the new session's space is another one
   while (goes_on() && !wants_to_end()) {
     const Expected<void> opened = instance_.find_again(device_).and_then([this] { return open(); });

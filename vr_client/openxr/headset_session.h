@@ -73,6 +73,7 @@ class HeadsetSession {
   void give(const Event& event);
   void carry_out(Act act);
   void replace();
+  void end_session();
 
   Instance& instance_;
   const gpu::Device& device_;

@@ -22,19 +22,8 @@ void record(const vk::raii::CommandBuffer& commands, const LayerCopy& copy, Exte
 
 }  // namespace
 
-PictureCopy::PictureCopy(const gpu::Device& device)
-    : device_(device),
-      commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
-                                                                 .level = vk::CommandBufferLevel::ePrimary,
-                                                                 .commandBufferCount = 1})[0])),
-      fence_(device.logical.createFence({})) {}
-
-void PictureCopy::copy(std::span<const LayerCopy> copies, Extent size) const {
-  commands_.reset();
-  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  for (const LayerCopy& one : copies) record(commands_, one, size);
-  commands_.end();
-  gpu::submit_and_wait(device_, commands_, fence_);
+void record_copies(const vk::raii::CommandBuffer& commands, std::span<const LayerCopy> copies, Extent size) {
+  for (const LayerCopy& one : copies) record(commands, one, size);
 }
 
 }  // namespace farshade::openxr

@@ -1,4 +1,4 @@
-/// PictureCopy: copies pictures and depths to images of the runtime.
+/// Copies pictures and depths to images of the runtime.
 #pragma once
 
 #include <span>
@@ -16,18 +16,7 @@ struct LayerCopy {
   vk::ImageLayout to_layout;    ///< of `to` afterwards; its content and layout before do not matter
 };
 
-class PictureCopy {
- public:
-  /// Keeps the reference.
-  explicit PictureCopy(const gpu::Device& device);
-
-  /// Copies the upper left part of `size` of each layer, without conversion, and waits for the device.
-  void copy(std::span<const LayerCopy> copies, Extent size) const;
-
- private:
-  const gpu::Device& device_;
-  vk::raii::CommandBuffer commands_{nullptr};
-  vk::raii::Fence fence_{nullptr};
-};
+/// Copies the upper left part of `size` of each layer, without conversion.
+void record_copies(const vk::raii::CommandBuffer& commands, std::span<const LayerCopy> copies, Extent size);
 
 }  // namespace farshade::openxr

@@ -8,6 +8,7 @@
 #include "stereo/base/clock.h"
 #include "stereo/frame/hidden_area.h"
 #include "stereo/frame/view.h"
+#include "stereo/gpu/recording.h"
 
 namespace farshade {
 
@@ -34,7 +35,10 @@ class Runtime {
   /// wait_frame.
   [[nodiscard]] virtual const PerEye<HiddenArea>* hidden() const { return nullptr; }
 
-  /// Called when the frame for `display_time` was drawn (xrEndFrame).
+  /// Called when the picture of a frame has been recorded: records what takes it to the display.
+  virtual void add_output(const gpu::Recorder& /*append*/) {}
+
+  /// Called when the frame for `display_time` was submitted (xrEndFrame).
   virtual void end_frame(Time /*display_time*/) {}
 };
 

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 
+#include "stereo/gpu/frame_commands.h"
+
 namespace farshade::openxr {
 namespace {
 
@@ -111,6 +113,9 @@ bool FakeHeadset::show() {
   const std::optional<FrameTiming> timing = runtime->wait_frame();
   if (!timing) return false;
   shown.push_back(runtime->locate_views(timing->display_time));
+  gpu::FrameCommands frame(pictures()->device);
+  runtime->add_output([&](const gpu::Recording& record) { frame.record(record); });
+  frame.submit();
   runtime->end_frame(timing->display_time);
   return true;
 }

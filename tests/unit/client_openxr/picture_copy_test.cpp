@@ -69,13 +69,12 @@ TEST(PictureCopy, KeepsTheBytesOfPictureAndDepth) {
                                   source | Usage::eDepthStencilAttachment);
   const auto shown_words = fill(*device, shown, Layout::eGeneral);
   const auto depth_words = fill(*device, depth, Layout::eShaderReadOnlyOptimal);
-  const PictureCopy copy(*device);
+  const std::array<LayerCopy, 2> copies{
+      {{shown, 0, Layout::eGeneral, *pictures.image, Layout::eColorAttachmentOptimal},
+       {depth, 2, Layout::eShaderReadOnlyOptimal, *depths.image, Layout::eDepthStencilAttachmentOptimal}}};
   for (int again = 0; again < 2; ++again)  // the second time, layouts are those that the first one left
-    copy.copy(std::array<LayerCopy, 2>{{{shown, 0, Layout::eGeneral, *pictures.image,
-                                         Layout::eColorAttachmentOptimal},
-                                        {depth, 2, Layout::eShaderReadOnlyOptimal, *depths.image,
-                                         Layout::eDepthStencilAttachmentOptimal}}},
-              kSize);
+    gpu::run_now(*device,
+                 [&](const vk::raii::CommandBuffer& commands) { record_copies(commands, copies, kSize); });
 
   EXPECT_EQ(read(*device, pictures, Layout::eColorAttachmentOptimal), shown_words);
   const auto copied = read(*device, depths, Layout::eDepthStencilAttachmentOptimal);

@@ -1,0 +1,101 @@
+#include "stereo/gpu/frame_commands.h"
+
+#include <algorithm>
+
+namespace farshade::gpu {
+
+FrameCommands::FrameCommands(const Device& device) : device_(device) {
+  if (!device.timelines) {
+    fence_ = device.logical.createFence({});
+    return;
+  }
+  const vk::SemaphoreTypeCreateInfo timeline{.semaphoreType = vk::SemaphoreType::eTimeline};
+  finished_ = device.logical.createSemaphore({.pNext = &timeline});
+}
+
+FrameCommands::~FrameCommands() {
+  try {
+    if (!is_lost_) wait(submitted_);
+  } catch (const vk::SystemError&) {
+    // The device is abandoned or lost; whoever used it next is told.
+  }
+}
+
+/// One whose part has finished, or a new one.
+FrameCommands::Buffer& FrameCommands::free_buffer() {
+  const auto free = std::ranges::find_if(buffers_, [&](const Buffer& one) { return one.part <= known_; });
+  if (free != buffers_.end()) return *free;
+  return buffers_.emplace_back(Buffer{
+      .commands = std::move(
+          device_.logical.allocateCommandBuffers({.commandPool = *device_.commands,
+                                                  .level = vk::CommandBufferLevel::ePrimary,
+                                                  .commandBufferCount = 1})[0])});
+}
+
+FrameCommands::Part FrameCommands::record(const Recording& record) {
+  Buffer& buffer = free_buffer();
+  buffer.commands.reset();
+  buffer.commands.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  record(buffer.commands);
+  buffer.commands.end();
+  buffer.part = ++newest_;
+  return newest_;
+}
+
+void FrameCommands::submit() {
+  if (submitted_ == newest_) return;
+  // One fence is enough only if the submission before has finished.
+  if (!device_.timelines) wait(submitted_);
+  losing_device([&] { hand_over(); });
+}
+
+/// Submits the recorded parts in their order. With a timeline, each says when it has finished.
+void FrameCommands::hand_over() {
+  std::vector<const Buffer*> parts;
+  for (const Buffer& buffer : buffers_)
+    if (buffer.part > submitted_) parts.push_back(&buffer);
+  std::ranges::sort(parts, {}, &Buffer::part);
+  std::vector<vk::CommandBufferSubmitInfo> buffers;
+  std::vector<vk::SemaphoreSubmitInfo> signals;
+  for (const Buffer* part : parts) {
+    buffers.push_back({.commandBuffer = *part->commands});
+    signals.push_back({.semaphore = *finished_,
+                       .value = part->part,
+                       .stageMask = vk::PipelineStageFlagBits2::eAllCommands});
+  }
+  std::vector<vk::SubmitInfo2> submits;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    submits.push_back({.commandBufferInfoCount = 1,
+                       .pCommandBufferInfos = &buffers[i],
+                       .signalSemaphoreInfoCount = device_.timelines ? 1u : 0u,
+                       .pSignalSemaphoreInfos = device_.timelines ? &signals[i] : nullptr});
+  ++device_.use->submissions;
+  device_.queue.submit2(submits, *fence_);
+  submitted_ = newest_;
+}
+
+bool FrameCommands::finishes(Part part) const {
+  return finishes_in_time(device_, [&](std::uint64_t step_ns) {
+    if (!device_.timelines) return device_.logical.waitForFences(*fence_, true, step_ns);
+    return device_.logical.waitSemaphores(
+        {.semaphoreCount = 1, .pSemaphores = &*finished_, .pValues = &part}, step_ns);
+  });
+}
+
+void FrameCommands::wait(Part part) {
+  if (part > submitted_) submit();
+  if (part <= known_) return;
+  ++device_.use->waits;
+  is_lost_ = true;  // unless what follows returns
+  losing_device([&] {
+    if (!finishes(part)) {
+      abandon(device_);
+      throw vk::DeviceLostError("the device did not finish in time and was abandoned");
+    }
+    known_ = device_.timelines ? part : submitted_;
+    if (!device_.timelines) device_.logical.resetFences(*fence_);
+  });
+  is_lost_ = false;
+}
+
+}  // namespace farshade::gpu
