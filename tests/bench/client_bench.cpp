@@ -117,12 +117,15 @@ void print_report(const Options& options, const Scene& scene, const RendererLimi
   print_ratios(times);
 }
 
-void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
+/// `full`: the same frame in full detail.
+void add_frame(Times& times, const DrawTimes& drawn, const DrawTimes& full, double decode_ms) {
   times.collect.push_back(decode_ms);
   times.draw.push_back(ms_of(drawn.total));
   times.frame.push_back(decode_ms + ms_of(drawn.total));
   times.gbuffer.push_back(ms_of(drawn.gbuffer));
   times.depth.push_back(ms_of(drawn.depth));
+  times.full_gbuffer.push_back(ms_of(full.gbuffer));
+  times.full_depth.push_back(ms_of(full.depth));
 }
 
 void time_request_reprojection(Renderer& renderer, const FrameRequest& request, std::size_t slot,
@@ -142,6 +145,11 @@ SceneLevels levels_for(const Scene& scene, const Options& options) {
   SceneLevels levels = make_levels(scene);
   std::printf("levels of detail made in %.0f ms\n", ms_of(watch.elapsed()));
   return levels;
+}
+
+DrawTimes draw(Renderer& renderer, const ShownFrame& frame) {
+  renderer.draw(frame);
+  return renderer.finish();
 }
 
 Expected<void> run(const Options& options) {
@@ -184,12 +192,10 @@ Expected<void> run(const Options& options) {
                      .reprojection = {},
                      .request_slot = assembler.find(request.frame)->slot,
                      .detail = Detail::Full};
-    renderer->draw(frame);
-    const DrawTimes full = renderer->finish();
+    const DrawTimes full = draw(*renderer, frame);
     times.full_triangles = full.triangles;
     frame.detail = Detail::Levels;
-    renderer->draw(frame);
-    const DrawTimes drawn = renderer->finish();
+    const DrawTimes drawn = draw(*renderer, frame);
     times.triangles = drawn.triangles;
     if (masks.empty()) continue;
     for (ReprojectionMode& mode : times.modes) {
@@ -200,9 +206,7 @@ Expected<void> run(const Options& options) {
     }
     if (number <= kWarmUp_frames) continue;
     time_request_reprojection(*renderer, request, frame.request_slot, masks[0], times);
-    add_frame(times, drawn, collect);
-    times.full_gbuffer.push_back(ms_of(full.gbuffer));
-    times.full_depth.push_back(ms_of(full.depth));
+    add_frame(times, drawn, full, collect);
   }
   print_report(options, *scene, limits, *device, times);
   return {};

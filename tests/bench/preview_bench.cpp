@@ -127,7 +127,6 @@ void compare(const BenchOptions& options) {
     if (traced.size() > kRing_frames / 2) traced.pop_front();
     const std::vector<TracedMask> masks = usable_masks(traced, shown.frame);
     window->poll();
-
     // Each pose is drawn offscreen and in the window; the order alternates.
     for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
       const Stopwatch frame;
