@@ -12,13 +12,12 @@ using nlohmann::json;
 constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;  // a double holds it exactly
 constexpr double kMaxNumber = 1e30;                               // a float holds it, a double its products
 
-bool is_whole(const json& value, std::uint64_t least, std::uint64_t most) {
+template <std::uint64_t least, std::uint64_t most>
+bool is_whole(const json& value) {
   return value.is_number_unsigned() && value.get<std::uint64_t>() >= least &&
          value.get<std::uint64_t>() <= most;
 }
-bool is_index(const json& value) {
-  return is_whole(value, 0, kMaxIndex);
-}
+constexpr auto is_index = is_whole<0, kMaxIndex>;
 bool is_text(const json& value) {
   return value.is_string();
 }
@@ -48,12 +47,9 @@ struct Type {
   const char* words;
 };
 constexpr Type kIndex{is_index, "a whole number from 0 to 2147483647"};
-constexpr Type kLength{[](const json& value) { return is_whole(value, 1, kMaxIndex); },
-                       "a whole number from 1 to 2147483647"};
-constexpr Type kSize{[](const json& value) { return is_whole(value, 0, kMaxSize); },
-                     "a whole number from 0 to 9007199254740991"};
-constexpr Type kLargeLength{[](const json& value) { return is_whole(value, 1, kMaxSize); },
-                            "a whole number from 1 to 9007199254740991"};
+constexpr Type kLength{is_whole<1, kMaxIndex>, "a whole number from 1 to 2147483647"};
+constexpr Type kSize{is_whole<0, kMaxSize>, "a whole number from 0 to 9007199254740991"};
+constexpr Type kLargeLength{is_whole<1, kMaxSize>, "a whole number from 1 to 9007199254740991"};
 constexpr Type kNumber{is_number, "a number within +-1e30"};
 constexpr Type kNotNegative{[](const json& value) { return is_at_least(value, 0); }, "a number from 0 on"};
 constexpr Type kPositive{
@@ -80,163 +76,158 @@ constexpr Type kObjects{[](const json& value) { return value.is_array(); }, "a l
 /// What becomes of an object whose member has a wrong value: without an optional member, it has the default.
 /// Without another one it means nothing. A required member must also be there.
 enum class Need { Optional, Essential, Required };
+using enum Need;
 
 struct Member {
   std::string_view name;
-  const Type* type;
-  Need need = Need::Optional;
+  const Type& type;
+  Need need = Optional;
   std::span<const Member> inner{};    ///< of kObject and kObjects
   std::string_view otherwise = "{}";  ///< of kObjects: instead of an object that means nothing
 };
 
-constexpr Member optional(std::string_view name, const Type& type) {
-  return {name, &type};
-}
-constexpr Member essential(std::string_view name, const Type& type) {
-  return {name, &type, Need::Essential};
-}
-constexpr Member required(std::string_view name, const Type& type) {
-  return {name, &type, Need::Required};
-}
-constexpr Member object(std::string_view name, std::span<const Member> inner, Need need = Need::Optional) {
-  return {name, &kObject, need, inner};
-}
-constexpr Member objects(std::string_view name, std::span<const Member> inner,
-                         std::string_view otherwise = "{}", Need need = Need::Optional) {
-  return {name, &kObjects, need, inner, otherwise};
-}
-constexpr Member kName = optional("name", kText);
-constexpr Member kNamed[] = {kName};
-constexpr Member kAsset[] = {optional("version", kText), optional("minVersion", kText)};
+constexpr Member kNamed[] = {{"name", kText}};
+constexpr Member kAsset[] = {{"version", kText}, {"minVersion", kText}};
 
-constexpr Member kFallback[] = {optional("fallback", kFlag)};
-constexpr Member kBufferExtensions[] = {object("EXT_meshopt_compression", kFallback),
-                                        object("KHR_meshopt_compression", kFallback)};
-constexpr Member kBuffer[] = {required("byteLength", kLargeLength), essential("uri", kText),
-                              object("extensions", kBufferExtensions)};
-constexpr Member kMeshopt[] = {required("buffer", kIndex),      essential("byteOffset", kIndex),
-                               required("byteLength", kLength), required("byteStride", kLength),
-                               required("count", kLength),      required("mode", kText),
-                               essential("filter", kText)};
-constexpr Member kViewExtensions[] = {object("EXT_meshopt_compression", kMeshopt, Need::Essential),
-                                      object("KHR_meshopt_compression", kMeshopt, Need::Essential)};
-constexpr Member kBufferView[] = {required("buffer", kIndex), essential("byteOffset", kSize),
-                                  required("byteLength", kLargeLength), essential("byteStride", kSize),
-                                  object("extensions", kViewExtensions, Need::Essential)};
+constexpr Member kFallback[] = {{"fallback", kFlag}};
+constexpr Member kBufferExtensions[] = {{"EXT_meshopt_compression", kObject, Optional, kFallback},
+                                        {"KHR_meshopt_compression", kObject, Optional, kFallback}};
+constexpr Member kBuffer[] = {{"byteLength", kLargeLength, Required},
+                              {"uri", kText, Essential},
+                              {"extensions", kObject, Optional, kBufferExtensions}};
+constexpr Member kMeshopt[] = {{"buffer", kIndex, Required},      {"byteOffset", kIndex, Essential},
+                               {"byteLength", kLength, Required}, {"byteStride", kLength, Required},
+                               {"count", kLength, Required},      {"mode", kText, Required},
+                               {"filter", kText, Essential}};
+constexpr Member kViewExtensions[] = {{"EXT_meshopt_compression", kObject, Essential, kMeshopt},
+                                      {"KHR_meshopt_compression", kObject, Essential, kMeshopt}};
+constexpr Member kBufferView[] = {{"buffer", kIndex, Required},
+                                  {"byteOffset", kSize, Essential},
+                                  {"byteLength", kLargeLength, Required},
+                                  {"byteStride", kSize, Essential},
+                                  {"extensions", kObject, Essential, kViewExtensions}};
 
-constexpr Member kSparseIndices[] = {required("bufferView", kIndex), essential("byteOffset", kIndex),
-                                     required("componentType", kIndex)};
-constexpr Member kSparseValues[] = {required("bufferView", kIndex), essential("byteOffset", kIndex)};
-constexpr Member kSparse[] = {required("count", kIndex), object("indices", kSparseIndices, Need::Required),
-                              object("values", kSparseValues, Need::Required)};
-constexpr Member kAccessor[] = {essential("bufferView", kIndex),           essential("byteOffset", kSize),
-                                required("componentType", kComponent),     essential("normalized", kFlag),
-                                required("count", kLargeLength),           required("type", kElement),
-                                object("sparse", kSparse, Need::Essential)};
+constexpr Member kSparseIndices[] = {
+    {"bufferView", kIndex, Required}, {"byteOffset", kIndex, Essential}, {"componentType", kIndex, Required}};
+constexpr Member kSparseValues[] = {{"bufferView", kIndex, Required}, {"byteOffset", kIndex, Essential}};
+constexpr Member kSparse[] = {{"count", kIndex, Required},
+                              {"indices", kObject, Required, kSparseIndices},
+                              {"values", kObject, Required, kSparseValues}};
+constexpr Member kAccessor[] = {{"bufferView", kIndex, Essential},       {"byteOffset", kSize, Essential},
+                                {"componentType", kComponent, Required}, {"normalized", kFlag, Essential},
+                                {"count", kLargeLength, Required},       {"type", kElement, Required},
+                                {"sparse", kObject, Essential, kSparse}};
 
-constexpr Member kDraco[] = {required("bufferView", kIndex), required("attributes", kIndexMap)};
-constexpr Member kMapping[] = {optional("variants", kIndexSet), required("material", kIndex)};
-constexpr Member kMappings[] = {objects("mappings", kMapping, R"({"material":0})")};
-constexpr Member kPrimitiveExtensions[] = {object("KHR_draco_mesh_compression", kDraco, Need::Essential),
-                                           object("KHR_materials_variants", kMappings)};
-constexpr Member kMorphTarget[] = {optional("POSITION", kIndex), optional("NORMAL", kIndex)};
-constexpr Member kPrimitive[] = {
-    required("attributes", kIndexMap), essential("indices", kIndex),
-    optional("material", kIndex),      essential("mode", kIndex),
-    objects("targets", kMorphTarget),  object("extensions", kPrimitiveExtensions, Need::Essential)};
-constexpr Member kMesh[] = {kName, objects("primitives", kPrimitive, R"({"attributes":{}})", Need::Required),
-                            optional("weights", kNumbers)};
+constexpr Member kDraco[] = {{"bufferView", kIndex, Required}, {"attributes", kIndexMap, Required}};
+constexpr Member kMapping[] = {{"variants", kIndexSet}, {"material", kIndex, Required}};
+constexpr Member kMappings[] = {{"mappings", kObjects, Optional, kMapping, R"({"material":0})"}};
+constexpr Member kPrimitiveExtensions[] = {{"KHR_draco_mesh_compression", kObject, Essential, kDraco},
+                                           {"KHR_materials_variants", kObject, Optional, kMappings}};
+constexpr Member kMorphTarget[] = {{"POSITION", kIndex}, {"NORMAL", kIndex}};
+constexpr Member kPrimitive[] = {{"attributes", kIndexMap, Required},
+                                 {"indices", kIndex, Essential},
+                                 {"material", kIndex},
+                                 {"mode", kIndex, Essential},
+                                 {"targets", kObjects, Optional, kMorphTarget},
+                                 {"extensions", kObject, Essential, kPrimitiveExtensions}};
+constexpr Member kMesh[] = {{"name", kText},
+                            {"primitives", kObjects, Required, kPrimitive, R"({"attributes":{}})"},
+                            {"weights", kNumbers}};
 
-constexpr Member kInstances[] = {essential("TRANSLATION", kIndex), essential("ROTATION", kIndex),
-                                 essential("SCALE", kIndex)};
-constexpr Member kInstancing[] = {object("attributes", kInstances, Need::Required)};
-constexpr Member kNodeLight[] = {required("light", kIndex)};
-constexpr Member kVisibility[] = {optional("visible", kFlag)};
-constexpr Member kNodeExtensions[] = {object("EXT_mesh_gpu_instancing", kInstancing),
-                                      object("KHR_lights_punctual", kNodeLight),
-                                      object("KHR_node_visibility", kVisibility)};
-constexpr Member kNode[] = {kName,
-                            optional("children", kIndexSet),
-                            optional("mesh", kIndex),
-                            optional("camera", kIndex),
-                            optional("skin", kIndex),
-                            optional("weights", kNumbers),
-                            optional("translation", kVector3),
-                            optional("rotation", kVector4),
-                            optional("scale", kVector3),
-                            optional("matrix", kMatrix4),
-                            object("extensions", kNodeExtensions)};
-constexpr Member kScene[] = {kName, optional("nodes", kIndexSet)};
-constexpr Member kSkin[] = {kName, required("joints", kJoints), essential("inverseBindMatrices", kIndex)};
+constexpr Member kInstances[] = {
+    {"TRANSLATION", kIndex, Essential}, {"ROTATION", kIndex, Essential}, {"SCALE", kIndex, Essential}};
+constexpr Member kInstancing[] = {{"attributes", kObject, Required, kInstances}};
+constexpr Member kNodeLight[] = {{"light", kIndex, Required}};
+constexpr Member kVisibility[] = {{"visible", kFlag}};
+constexpr Member kNodeExtensions[] = {{"EXT_mesh_gpu_instancing", kObject, Optional, kInstancing},
+                                      {"KHR_lights_punctual", kObject, Optional, kNodeLight},
+                                      {"KHR_node_visibility", kObject, Optional, kVisibility}};
+constexpr Member kNode[] = {{"name", kText},
+                            {"children", kIndexSet},
+                            {"mesh", kIndex},
+                            {"camera", kIndex},
+                            {"skin", kIndex},
+                            {"weights", kNumbers},
+                            {"translation", kVector3},
+                            {"rotation", kVector4},
+                            {"scale", kVector3},
+                            {"matrix", kMatrix4},
+                            {"extensions", kObject, Optional, kNodeExtensions}};
+constexpr Member kScene[] = {{"name", kText}, {"nodes", kIndexSet}};
+constexpr Member kSkin[] = {
+    {"name", kText}, {"joints", kJoints, Required}, {"inverseBindMatrices", kIndex, Essential}};
 
-constexpr Member kTransform[] = {optional("offset", kVector2), optional("scale", kVector2),
-                                 optional("rotation", kNumber), optional("texCoord", kIndex)};
-constexpr Member kTextureInfoExtensions[] = {object("KHR_texture_transform", kTransform)};
-constexpr Member kTextureInfo[] = {required("index", kIndex), optional("texCoord", kIndex),
-                                   object("extensions", kTextureInfoExtensions)};
-constexpr Member kSurface[] = {optional("baseColorFactor", kVector4),
-                               object("baseColorTexture", kTextureInfo)};
-constexpr Member kDiffuse[] = {optional("diffuseFactor", kVector4), object("diffuseTexture", kTextureInfo)};
-constexpr Member kTransmission[] = {optional("transmissionFactor", kNotNegative)};
-constexpr Member kMaterialExtensions[] = {object("KHR_materials_unlit", {}),
-                                          object("KHR_materials_transmission", kTransmission),
-                                          object("KHR_materials_pbrSpecularGlossiness", kDiffuse)};
-constexpr Member kMaterial[] = {kName,
-                                optional("alphaMode", kText),
-                                optional("alphaCutoff", kNotNegative),
-                                optional("emissiveFactor", kVector3),
-                                optional("doubleSided", kFlag),
-                                object("pbrMetallicRoughness", kSurface),
-                                object("extensions", kMaterialExtensions)};
-constexpr Member kImage[] = {kName, optional("uri", kText), optional("bufferView", kIndex)};
-constexpr Member kWebp[] = {optional("source", kIndex)};
-constexpr Member kTextureExtensions[] = {object("EXT_texture_webp", kWebp)};
-constexpr Member kTexture[] = {kName, optional("source", kIndex), optional("sampler", kIndex),
-                               object("extensions", kTextureExtensions)};
-constexpr Member kSampler[] = {optional("wrapS", kIndex), optional("wrapT", kIndex)};
+constexpr Member kTransform[] = {
+    {"offset", kVector2}, {"scale", kVector2}, {"rotation", kNumber}, {"texCoord", kIndex}};
+constexpr Member kTextureInfoExtensions[] = {{"KHR_texture_transform", kObject, Optional, kTransform}};
+constexpr Member kTextureInfo[] = {{"index", kIndex, Required},
+                                   {"texCoord", kIndex},
+                                   {"extensions", kObject, Optional, kTextureInfoExtensions}};
+constexpr Member kSurface[] = {{"baseColorFactor", kVector4},
+                               {"baseColorTexture", kObject, Optional, kTextureInfo}};
+constexpr Member kDiffuse[] = {{"diffuseFactor", kVector4},
+                               {"diffuseTexture", kObject, Optional, kTextureInfo}};
+constexpr Member kTransmission[] = {{"transmissionFactor", kNotNegative}};
+constexpr Member kMaterialExtensions[] = {
+    {"KHR_materials_unlit", kObject, Optional, {}},
+    {"KHR_materials_transmission", kObject, Optional, kTransmission},
+    {"KHR_materials_pbrSpecularGlossiness", kObject, Optional, kDiffuse}};
+constexpr Member kMaterial[] = {{"name", kText},
+                                {"alphaMode", kText},
+                                {"alphaCutoff", kNotNegative},
+                                {"emissiveFactor", kVector3},
+                                {"doubleSided", kFlag},
+                                {"pbrMetallicRoughness", kObject, Optional, kSurface},
+                                {"extensions", kObject, Optional, kMaterialExtensions}};
+constexpr Member kImage[] = {{"name", kText}, {"uri", kText}, {"bufferView", kIndex}};
+constexpr Member kWebp[] = {{"source", kIndex}};
+constexpr Member kTextureExtensions[] = {{"EXT_texture_webp", kObject, Optional, kWebp}};
+constexpr Member kTexture[] = {{"name", kText},
+                               {"source", kIndex},
+                               {"sampler", kIndex},
+                               {"extensions", kObject, Optional, kTextureExtensions}};
+constexpr Member kSampler[] = {{"wrapS", kIndex}, {"wrapT", kIndex}};
 
-constexpr Member kPointer[] = {optional("pointer", kText)};
-constexpr Member kTargetExtensions[] = {object("KHR_animation_pointer", kPointer)};
-constexpr Member kTarget[] = {optional("node", kIndex), required("path", kText),
-                              object("extensions", kTargetExtensions)};
-constexpr Member kChannel[] = {required("sampler", kIndex), object("target", kTarget, Need::Required)};
-constexpr Member kAnimationSampler[] = {required("input", kIndex), required("output", kIndex),
-                                        essential("interpolation", kText)};
+constexpr Member kPointer[] = {{"pointer", kText}};
+constexpr Member kTargetExtensions[] = {{"KHR_animation_pointer", kObject, Optional, kPointer}};
+constexpr Member kTarget[] = {
+    {"node", kIndex}, {"path", kText, Required}, {"extensions", kObject, Optional, kTargetExtensions}};
+constexpr Member kChannel[] = {{"sampler", kIndex, Required}, {"target", kObject, Required, kTarget}};
+constexpr Member kAnimationSampler[] = {
+    {"input", kIndex, Required}, {"output", kIndex, Required}, {"interpolation", kText, Essential}};
 constexpr Member kAnimation[] = {
-    kName, objects("channels", kChannel, R"({"sampler":0,"target":{"path":""}})", Need::Required),
-    objects("samplers", kAnimationSampler, R"({"input":2147483647,"output":2147483647})", Need::Required)};
+    {"name", kText},
+    {"channels", kObjects, Required, kChannel, R"({"sampler":0,"target":{"path":""}})"},
+    {"samplers", kObjects, Required, kAnimationSampler, R"({"input":2147483647,"output":2147483647})"}};
 
-constexpr Member kSpot[] = {optional("innerConeAngle", kNotNegative),
-                            optional("outerConeAngle", kNotNegative)};
-constexpr Member kLight[] = {kName,
-                             required("type", kText),
-                             optional("color", kVector3),
-                             optional("intensity", kNotNegative),
-                             optional("range", kPositive),
-                             object("spot", kSpot)};
-constexpr Member kLights[] = {objects("lights", kLight, R"({"type":""})", Need::Required)};
-constexpr Member kVariants[] = {objects("variants", kNamed)};
-constexpr Member kRootExtensions[] = {object("KHR_lights_punctual", kLights),
-                                      object("KHR_materials_variants", kVariants)};
+constexpr Member kSpot[] = {{"innerConeAngle", kNotNegative}, {"outerConeAngle", kNotNegative}};
+constexpr Member kLight[] = {{"name", kText},      {"type", kText, Required},
+                             {"color", kVector3},  {"intensity", kNotNegative},
+                             {"range", kPositive}, {"spot", kObject, Optional, kSpot}};
+constexpr Member kLights[] = {{"lights", kObjects, Required, kLight, R"({"type":""})"}};
+constexpr Member kVariants[] = {{"variants", kObjects, Optional, kNamed}};
+constexpr Member kRootExtensions[] = {{"KHR_lights_punctual", kObject, Optional, kLights},
+                                      {"KHR_materials_variants", kObject, Optional, kVariants}};
 constexpr Member kRoot[] = {
-    object("asset", kAsset),
-    optional("extensionsUsed", kTexts),
-    optional("extensionsRequired", kTexts),
-    objects("buffers", kBuffer, R"({"name":"","byteLength":1})"),
-    objects("bufferViews", kBufferView, R"({"name":"","buffer":0,"byteLength":1})"),
-    objects("accessors", kAccessor, R"({"name":"","componentType":5126,"type":"SCALAR","count":1})"),
-    objects("samplers", kSampler),
-    objects("textures", kTexture),
-    objects("images", kImage),
-    objects("materials", kMaterial),
-    objects("meshes", kMesh, R"({"primitives":[]})"),
-    objects("nodes", kNode),
-    objects("skins", kSkin, R"({"joints":[]})"),
-    object("extensions", kRootExtensions),
-    objects("animations", kAnimation, R"({"channels":[],"samplers":[]})"),
-    objects("scenes", kScene),
-    optional("scene", kIndex),
-    objects("cameras", kNamed)};
+    {"asset", kObject, Optional, kAsset},
+    {"extensionsUsed", kTexts},
+    {"extensionsRequired", kTexts},
+    {"buffers", kObjects, Optional, kBuffer, R"({"name":"","byteLength":1})"},
+    {"bufferViews", kObjects, Optional, kBufferView, R"({"name":"","buffer":0,"byteLength":1})"},
+    {"accessors", kObjects, Optional, kAccessor,
+     R"({"name":"","componentType":5126,"type":"SCALAR","count":1})"},
+    {"samplers", kObjects, Optional, kSampler},
+    {"textures", kObjects, Optional, kTexture},
+    {"images", kObjects, Optional, kImage},
+    {"materials", kObjects, Optional, kMaterial},
+    {"meshes", kObjects, Optional, kMesh, R"({"primitives":[]})"},
+    {"nodes", kObjects, Optional, kNode},
+    {"skins", kObjects, Optional, kSkin, R"({"joints":[]})"},
+    {"extensions", kObject, Optional, kRootExtensions},
+    {"animations", kObjects, Optional, kAnimation, R"({"channels":[],"samplers":[]})"},
+    {"scenes", kObjects, Optional, kScene},
+    {"scene", kIndex},
+    {"cameras", kObjects, Optional, kNamed}};
 
 /// Where a value is. It becomes a text only if the value is refused.
 struct Place {
@@ -290,14 +281,14 @@ void cut(std::string& name) {
 
 /// Keeps the parts of a value that are right. Returns the fault of a value of which nothing is.
 Checked keep_value(json& value, const Member& of, const Place& place, Repairs& repairs) {
-  if (!of.type->fits(value)) return malformed(place.text() + " should be " + of.type->words);
-  make_fractions(*of.type, value);
+  if (!of.type.fits(value)) return malformed(place.text() + " should be " + of.type.words);
+  make_fractions(of.type, value);
   if (of.name == "name") cut(value.get_ref<std::string&>());
-  if (of.type == &kObjects) keep_each(value, of, place, repairs);
+  if (&of.type == &kObjects) keep_each(value, of, place, repairs);
   const auto is_bad = [](const json& one) { return !is_index(one); };
-  if (of.type == &kIndexSet && std::erase_if(value.get_ref<json::array_t&>(), is_bad) > 0)
+  if (&of.type == &kIndexSet && std::erase_if(value.get_ref<json::array_t&>(), is_bad) > 0)
     repairs.add(kIgnored, place.text() + ": each should be " + kIndex.words);
-  if (of.type == &kIndexMap)
+  if (&of.type == &kIndexMap)
     for (auto entry = value.begin(); entry != value.end();) {
       const std::string& key = entry.key();
       if (is_bad(*entry))
@@ -306,19 +297,19 @@ Checked keep_value(json& value, const Member& of, const Place& place, Repairs& r
       const bool is_kept = !is_bad(*entry) && key.find('\0') == std::string::npos;
       entry = is_kept ? std::next(entry) : value.erase(entry);
     }
-  return of.type == &kObject ? keep(value, of.inner, place, repairs) : Checked{};
+  return &of.type == &kObject ? keep(value, of.inner, place, repairs) : Checked{};
 }
 
 /// Keeps the members of an object that are right. Returns the fault of an object that means nothing.
 Checked keep(json& object, std::span<const Member> members, const Place& place, Repairs& repairs) {
   for (const Member& member : members)
-    if (member.need == Need::Required && !object.contains(member.name))
+    if (member.need == Required && !object.contains(member.name))
       return malformed(Place{&place, member.name}.text() + " is missing");
   for (auto item = object.begin(); item != object.end();) {
     const auto known = std::ranges::find(members, std::string_view(item.key()), &Member::name);
     const Checked kept =
         known == members.end() ? Checked() : keep_value(*item, *known, {&place, known->name}, repairs);
-    if (!kept && known->need != Need::Optional) return kept;
+    if (!kept && known->need != Optional) return kept;
     if (!kept) repairs.add(kIgnored, kept.error());
     item = kept && known != members.end() ? std::next(item) : object.erase(item);
   }
