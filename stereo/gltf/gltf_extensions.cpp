@@ -12,91 +12,70 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// An extension. With `without` empty the loader obeys it, warns where it is used, or nothing can be seen of
-/// it.
-struct Extension {
-  std::string_view name;
-  bool may_be_required = false;
-  std::string_view without{};  ///< what is different in the picture
+/// Extensions of which the same is missing in the picture.
+struct Extensions {
+  bool may_be_required;
+  std::string_view without;  ///< how the picture differs; empty: it does not, or others warn
+  std::initializer_list<std::string_view> names;  ///< one that ends in '_' stands for all that begin with it
 };
-constexpr std::string_view kColorsOnly = "materials have base colours only",
-                           kNoTexture = "textures have the file's PNG or JPEG, or none",
-                           kFileLights = "only the lights of KHR_lights_punctual shine",
-                           kNoMaterials = "materials have the file's base colours", kUnknown = "unknown";
-constexpr Extension kExtensions[] = {
-    {"EXT_mesh_gpu_instancing", true},
-    {"EXT_meshopt_compression", true},
-    {"EXT_texture_webp", true},
-    {"KHR_animation_pointer", true},  // gltf_pointers.cpp warns
-    {"KHR_draco_mesh_compression", true},
-    {"KHR_lights_punctual", true},
-    {"KHR_materials_variants", true},
-    {"KHR_mesh_quantization", true},
-    {"KHR_meshopt_compression", true},
-    {"KHR_node_visibility", true},
-    {"KHR_texture_transform", true},
-    // looks
-    {"EXT_texture_avif", true},                 // gltf_materials.cpp warns
-    {"KHR_materials_emissive_strength", true},  // kLooks
-    {"KHR_materials_pbrSpecularGlossiness", true, kColorsOnly},
-    {"KHR_materials_transmission", true},  // kLooks
-    {"KHR_materials_unlit", true, "materials without light are lit"},
-    {"KHR_materials_", true, kColorsOnly},
-    {"KHR_texture_basisu", true},  // gltf_materials.cpp warns
-    {"ADOBE_materials_clearcoat_specular", false, kColorsOnly},
-    {"ADOBE_materials_clearcoat_tint", false, kColorsOnly},
-    {"ADOBE_materials_thin_transparency", false, kColorsOnly},
-    {"EXT_materials_bump", false, kColorsOnly},
-    {"MSFT_packing_normalRoughnessMetallic", false, kColorsOnly},
-    {"MSFT_packing_occlusionRoughnessMetallic", false, kColorsOnly},
-    {"EXT_texture_astc", false, kNoTexture},
-    {"EXT_texture_procedurals", false, kNoTexture},
-    {"EXT_texture_video", false, kNoTexture},
-    {"KHR_texture_procedurals", false, kNoTexture},
-    {"MPEG_texture_video", false, kNoTexture},
-    {"MSFT_texture_dds", false, kNoTexture},
-    {"KHR_techniques_webgl", false, kNoMaterials},
-    {"NV_materials_mdl", false, kNoMaterials},
-    {"EXT_lights_ies", false, "lights shine as without a profile"},
-    {"EXT_lights_image_based", false, kFileLights},
-    {"KHR_environment_map", false, kFileLights},
-    {"KHR_lights", false, kFileLights},
-    {"MSFT_lod", false, "nodes have their finest level"},
-    // shapes
-    {"CESIUM_primitive_outline", false, "outlines are missing"},
-    {"CESIUM_RTC", false, "the scene stands at the origin"},
-    {"EXT_mesh_primitive_edge_visibility", false, "edges are missing"},
-    {"EXT_mesh_primitive_restart", false, "strips and fans are not cut"},
-    {"KHR_mesh_primitive_restart", false, "strips and fans are not cut"},
-    {"EXT_primitive_voxels", false, "voxels are missing"},
-    {"KHR_accessor_float64", false, "numbers of 64 bits are not read"},
-    {"KHR_gaussian_splatting", false, "splats are missing"},
-    // motion
-    {"AGI_articulations", false, "articulations stand still"},
-    {"KHR_interactivity", false, "nothing reacts"},
-    {"KHR_physics_rigid_bodies", false, "bodies do not fall"},
-    {"MSFT_physics", false, "bodies do not fall"},
+constexpr std::string_view kColorsOnly = "materials have base colours only", kUnknown = "unknown";
+const Extensions kExtensions[] = {
+    // obeyed
+    {true,
+     "",
+     {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
+      "KHR_lights_punctual", "KHR_materials_variants", "KHR_mesh_quantization", "KHR_meshopt_compression",
+      "KHR_node_visibility", "KHR_texture_transform"}},
+    // gltf_pointers.cpp, gltf_materials.cpp and kLooks warn
+    {true,
+     "",
+     {"KHR_animation_pointer", "EXT_texture_avif", "KHR_texture_basisu", "KHR_materials_emissive_strength",
+      "KHR_materials_transmission"}},
     // nothing that can be seen
-    {"AGI_stk_metadata", true},
-    {"EXT_instance_features", true},
-    {"EXT_mesh_features", true},
-    {"EXT_mesh_manifold", true},
-    {"EXT_structural_metadata", true},
-    {"FB_geometry_metadata", true},
-    {"GODOT_single_root", true},
-    {"KHR_audio_emitter", true},
-    {"KHR_implicit_shapes", true},
-    {"KHR_node_hoverability", true},
-    {"KHR_node_selectability", true},
-    {"KHR_xmp", true},
-    {"KHR_xmp_json_ld", true},
-    {"MSFT_audio_emitter", true},
+    {true,
+     "",
+     {"AGI_stk_metadata", "EXT_instance_features", "EXT_mesh_features", "EXT_mesh_manifold",
+      "EXT_structural_metadata", "FB_geometry_metadata", "GODOT_single_root", "KHR_audio_emitter",
+      "KHR_implicit_shapes", "KHR_node_hoverability", "KHR_node_selectability", "KHR_xmp", "KHR_xmp_json_ld",
+      "MSFT_audio_emitter"}},
+    // looks
+    {true, "materials without light are lit", {"KHR_materials_unlit"}},
+    {true, kColorsOnly, {"KHR_materials_"}},
+    {false,
+     kColorsOnly,
+     {"ADOBE_materials_clearcoat_specular", "ADOBE_materials_clearcoat_tint",
+      "ADOBE_materials_thin_transparency", "EXT_materials_bump", "MSFT_packing_normalRoughnessMetallic",
+      "MSFT_packing_occlusionRoughnessMetallic"}},
+    {false,
+     "textures have the file's PNG or JPEG, or none",
+     {"EXT_texture_astc", "EXT_texture_procedurals", "EXT_texture_video", "KHR_texture_procedurals",
+      "MPEG_texture_video", "MSFT_texture_dds"}},
+    {false, "materials have the file's base colours", {"KHR_techniques_webgl", "NV_materials_mdl"}},
+    {false, "lights shine as without a profile", {"EXT_lights_ies"}},
+    {false,
+     "only the lights of KHR_lights_punctual shine",
+     {"EXT_lights_image_based", "KHR_environment_map", "KHR_lights"}},
+    {false, "nodes have their finest level", {"MSFT_lod"}},
+    // shapes
+    {false, "outlines are missing", {"CESIUM_primitive_outline"}},
+    {false, "the scene stands at the origin", {"CESIUM_RTC"}},
+    {false, "edges are missing", {"EXT_mesh_primitive_edge_visibility"}},
+    {false, "strips and fans are not cut", {"EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart"}},
+    {false, "voxels are missing", {"EXT_primitive_voxels"}},
+    {false, "numbers of 64 bits are not read", {"KHR_accessor_float64"}},
+    {false, "splats are missing", {"KHR_gaussian_splatting"}},
+    // motion
+    {false, "articulations stand still", {"AGI_articulations"}},
+    {false, "nothing reacts", {"KHR_interactivity"}},
+    {false, "bodies do not fall", {"KHR_physics_rigid_bodies", "MSFT_physics"}},
 };
 
-/// A name that ends in '_' stands for all that begin with it.
-const Extension* known(std::string_view name) {
-  const auto* found = std::ranges::find_if(kExtensions, [&](const Extension& one) {
-    return one.name.ends_with('_') ? name.starts_with(one.name) : name == one.name;
+/// The row of an extension; null if there is none.
+const Extensions* known(std::string_view name) {
+  const auto* found = std::ranges::find_if(kExtensions, [&](const Extensions& row) {
+    return std::ranges::any_of(row.names, [&](std::string_view one) {
+      return one.ends_with('_') ? name.starts_with(one) : name == one;
+    });
   });
   return found == std::end(kExtensions) ? nullptr : found;
 }
@@ -202,13 +181,13 @@ void warn(const Json& root, const Look& look, std::vector<std::string>& warnings
 
 std::vector<std::string_view> known_extensions() {
   std::vector<std::string_view> names;
-  for (const Extension& one : kExtensions) names.push_back(one.name);
+  for (const Extensions& row : kExtensions) names.insert(names.end(), row.names);
   return names;
 }
 
 Expected<void> check_extensions(const Json& root) {
   for (const std::string& name : names_in(part(root, "extensionsRequired")))
-    if (const Extension* const of = known(name); !of || !of->may_be_required)
+    if (const Extensions* const of = known(name); !of || !of->may_be_required)
       return fail(Fault::Unsupported, "the required extension '" + printable(name) +
                                           "' is not supported: export the file without it");
   return {};
@@ -219,7 +198,7 @@ std::vector<std::string> look_warnings(const Json& root) {
   std::set<std::string> used = names_in(part(root, "extensionsUsed"));
   used.merge(names_in(part(root, "extensionsRequired")));
   for (const std::string& name : used) {
-    const Extension* const of = known(name);
+    const Extensions* const of = known(name);
     const std::string_view without = of ? of->without : kUnknown;
     if (without.empty()) continue;
     std::string& text = names[without];
