@@ -16,21 +16,12 @@ namespace farshade::gltf {
 /// Calls `use` with a value of the component's C++ type.
 template <class Use>
 auto with_type(Component component, Use use) {
-  switch (component) {
-    case Component::Int8:
-      return use(std::int8_t{});
-    case Component::UInt8:
-      return use(std::uint8_t{});
-    case Component::Int16:
-      return use(std::int16_t{});
-    case Component::UInt16:
-      return use(std::uint16_t{});
-    case Component::UInt32:
-      return use(std::uint32_t{});
-    case Component::Float:
-      return use(float{});
-  }
-  check(false, "validated component type");
+  if (component == Component::Int8) return use(std::int8_t{});
+  if (component == Component::UInt8) return use(std::uint8_t{});
+  if (component == Component::Int16) return use(std::int16_t{});
+  if (component == Component::UInt16) return use(std::uint16_t{});
+  if (component == Component::UInt32) return use(std::uint32_t{});
+  check(component == Component::Float, "validated component type");
   return use(float{});
 }
 

@@ -42,7 +42,7 @@ std::vector<std::string> variants_of(const Document& document) {
   std::vector<std::string> names;
   const auto* variants = extension(document.extensions, "KHR_materials_variants");
   for (const tinygltf::Value& variant : list_member(variants, "variants"))
-    names.push_back(text_member(variant, "name"));
+    names.push_back(text_member(&variant, "name"));
   return names;
 }
 
@@ -52,7 +52,7 @@ Index material_in(const Primitive& primitive, int variant) {
   const auto* variants = extension(primitive.extensions, "KHR_materials_variants");
   for (const tinygltf::Value& mapping : list_member(variants, "mappings"))
     for (const tinygltf::Value& of : list_member(&mapping, "variants"))
-      if (of.GetNumberAsInt() == variant) material = index_member(mapping, "material");
+      if (of.GetNumberAsInt() == variant) material = index_member(&mapping, "material");
   return material;
 }
 

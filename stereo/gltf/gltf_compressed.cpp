@@ -24,14 +24,14 @@ std::optional<MeshoptView> meshopt_of(const BufferView& view) {
   const auto* from = extension(view.extensions, "KHR_meshopt_compression");
   if (!from) from = extension(view.extensions, "EXT_meshopt_compression");
   if (!from) return std::nullopt;
-  const auto size = [&](const char* name) -> std::size_t { return index_member(*from, name).value_or(0); };
+  const auto size = [&](const char* name) -> std::size_t { return index_member(from, name).value_or(0); };
   return MeshoptView{.buffer = from->Get("buffer").GetNumberAsInt(),
                      .offset = size("byteOffset"),
                      .bytes = size("byteLength"),
                      .stride = size("byteStride"),
                      .count = size("count"),
-                     .mode = text_member(*from, "mode"),
-                     .filter = text_member(*from, "filter", "NONE")};
+                     .mode = text_member(from, "mode"),
+                     .filter = text_member(from, "filter", "NONE")};
 }
 
 bool filter_fits(const MeshoptView& from) {

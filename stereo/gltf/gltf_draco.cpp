@@ -183,13 +183,14 @@ Checked decompress_primitive(Document& document, const std::string& name, const 
     return malformed(name + " should have triangles with indices");
   if (!indices) return tl::unexpected(indices.error());
   const std::uint64_t triangles = (*indices)->count / 3;
-  const auto bytes = bytes_of_view(document, static_cast<int>(index_member(draco, "bufferView").value_or(0)));
+  const auto bytes =
+      bytes_of_view(document, static_cast<int>(index_member(&draco, "bufferView").value_or(0)));
   if (!bytes) return malformed(name + ": " + bytes.error().what);
   const auto mesh = decode_mesh(*bytes, name, triangles, budget);
   if (!mesh) return tl::unexpected(mesh.error());
-  if (const auto* attributes = member(draco, "attributes"))
+  if (const auto* attributes = member(&draco, "attributes"))
     for (const std::string& semantic : attributes->Keys()) {
-      const std::uint32_t id = index_member(*attributes, semantic).value_or(0);
+      const std::uint32_t id = index_member(attributes, semantic).value_or(0);
       if (auto taken = take_attribute(document, name, primitive, semantic, id, **mesh); !taken) return taken;
     }
   primitive.indices = take_indices(document, static_cast<std::uint32_t>(primitive.indices), **mesh);

@@ -22,7 +22,7 @@ struct Instancing {
 std::optional<Instancing> instancing_of(const Node& node) {
   const auto* from = extension(node.extensions, "EXT_mesh_gpu_instancing");
   if (!from) return std::nullopt;
-  const auto& attributes = from->Get("attributes");
+  const auto* attributes = member(from, "attributes");
   return Instancing{index_member(attributes, "TRANSLATION"), index_member(attributes, "ROTATION"),
                     index_member(attributes, "SCALE")};
 }

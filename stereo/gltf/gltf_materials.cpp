@@ -26,17 +26,6 @@ Expected<std::span<const std::uint8_t>> file_of(const Document& document, std::u
   return std::span<const std::uint8_t>(image.image);
 }
 
-TextureUse texture_use(std::uint32_t texture, std::uint32_t texcoord, const Value* transform) {
-  TextureUse use{.texture = texture, .texcoord = texcoord};
-  if (!transform) return use;
-  use.offset = vector_member(*transform, "offset", use.offset);
-  use.scale = vector_member(*transform, "scale", use.scale);
-  if (const Value* rotation = member(*transform, "rotation"))
-    use.rotation_rad = rotation->GetNumberAsDouble();
-  use.texcoord = index_member(*transform, "texCoord").value_or(texcoord);
-  return use;
-}
-
 /// False for a format that no library of Debian decodes.
 bool is_known(std::span<const std::uint8_t> file) {
   using namespace std::string_view_literals;
@@ -48,8 +37,8 @@ bool is_known(std::span<const std::uint8_t> file) {
 constexpr double kOpaqueTransmission = 0.5;
 
 bool lets_light_through(const Material& material) {
-  const Value* transmission = extension(material.extensions, "KHR_materials_transmission");
-  const Value* factor = transmission ? member(*transmission, "transmissionFactor") : nullptr;
+  const Value* factor =
+      member(extension(material.extensions, "KHR_materials_transmission"), "transmissionFactor");
   return factor && factor->GetNumberAsDouble() > kOpaqueTransmission;
 }
 
@@ -69,22 +58,25 @@ float least_alpha(const farshade::Texture& texture) {
 
 glm::dvec4 base_color_of(const Material& material) {
   const auto color = vector_of(material.pbrMetallicRoughness.baseColorFactor, glm::dvec4(1.0));
-  const Value* diffuse = extension(material.extensions, "KHR_materials_pbrSpecularGlossiness");
-  return diffuse ? vector_member(*diffuse, "diffuseFactor", color) : color;
+  return vector_member(extension(material.extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseFactor",
+                       color);
 }
 
 std::optional<TextureUse> texture_of(const Material& material) {
-  const Value* diffuse = extension(material.extensions, "KHR_materials_pbrSpecularGlossiness");
-  if (const Value* from = diffuse ? member(*diffuse, "diffuseTexture") : nullptr) {
-    const Value* extensions = member(*from, "extensions");
-    return texture_use(index_member(*from, "index").value_or(0), index_member(*from, "texCoord").value_or(0),
-                       extensions ? member(*extensions, "KHR_texture_transform") : nullptr);
-  }
-  const tinygltf::TextureInfo& from = material.pbrMetallicRoughness.baseColorTexture;
-  const Index texture = index_of(from.index);
+  const auto& base_color = material.pbrMetallicRoughness.baseColorTexture;
+  const Value* diffuse =
+      member(extension(material.extensions, "KHR_materials_pbrSpecularGlossiness"), "diffuseTexture");
+  const Index texture = diffuse ? index_member(diffuse, "index") : index_of(base_color.index);
   if (!texture) return std::nullopt;
-  return texture_use(*texture, static_cast<std::uint32_t>(from.texCoord),
-                     extension(from.extensions, "KHR_texture_transform"));
+  const Index texcoord = diffuse ? index_member(diffuse, "texCoord") : index_of(base_color.texCoord);
+  const Value* transform = diffuse ? member(member(diffuse, "extensions"), "KHR_texture_transform")
+                                   : extension(base_color.extensions, "KHR_texture_transform");
+  TextureUse use{.texture = *texture, .texcoord = texcoord.value_or(0)};
+  use.texcoord = index_member(transform, "texCoord").value_or(use.texcoord);
+  use.offset = vector_member(transform, "offset", use.offset);
+  use.scale = vector_member(transform, "scale", use.scale);
+  if (const Value* rotation = member(transform, "rotation")) use.rotation_rad = rotation->GetNumberAsDouble();
+  return use;
 }
 
 MaterialConverter::MaterialConverter(Document& document, const SceneLimits& limits, Scene& scene)
@@ -180,20 +172,16 @@ Expected<farshade::Image<Rgba8>> MaterialConverter::decode(std::uint32_t index) 
 }
 
 void remove_needless_alpha_tests(Scene& scene) {
-  std::vector<float> least(scene.materials.size());
-  for (std::size_t i = 0; i < least.size(); ++i) {
-    const farshade::Material& material = scene.materials[i];
-    if (!material.alpha_cutoff) continue;
-    least[i] =
-        material.base_color.a * (material.texture ? least_alpha(scene.textures[*material.texture]) : 1.0f);
-  }
   std::vector<std::uint8_t> least_color(scene.materials.size(), 255);
   for (const farshade::Mesh& mesh : scene.meshes)
     for (const glm::u8vec4 color : mesh.colors)
       least_color[mesh.material] = std::min(least_color[mesh.material], color.a);
-  for (std::size_t i = 0; i < least.size(); ++i) {
-    auto& cutoff = scene.materials[i].alpha_cutoff;
-    if (cutoff && least[i] * static_cast<float>(least_color[i]) / 255.0f >= *cutoff) cutoff.reset();
+  for (std::size_t i = 0; i < least_color.size(); ++i) {
+    farshade::Material& material = scene.materials[i];
+    if (!material.alpha_cutoff) continue;
+    const float of_texture = material.texture ? least_alpha(scene.textures[*material.texture]) : 1.0f,
+                least = material.base_color.a * of_texture * static_cast<float>(least_color[i]) / 255.0f;
+    if (least >= *material.alpha_cutoff) material.alpha_cutoff.reset();
   }
 }
 

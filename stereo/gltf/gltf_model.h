@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <glm/mat4x4.hpp>
 #include <optional>
 #include <span>
@@ -161,9 +162,7 @@ template <class Vector>
 }
 [[nodiscard]] inline std::optional<glm::dmat4> matrix_of(const Node& node) {
   if (node.matrix.empty()) return std::nullopt;
-  glm::dmat4 matrix;
-  for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = at(node.matrix, i);
-  return matrix;
+  return glm::make_mat4(node.matrix.data());
 }
 
 // Extensions. Their members have the types of the table in gltf_members.cpp.
@@ -175,27 +174,26 @@ template <class Vector>
   return found == of.end() ? nullptr : &found->second;
 }
 
-/// Member `name` of a value; null if it is absent.
-[[nodiscard]] inline const tinygltf::Value* member(const tinygltf::Value& of, const std::string& name) {
-  return of.Has(name) ? &of.Get(name) : nullptr;
+/// Member `name` of a value; null, no index, or what else stands for it, if it or `of` is absent.
+[[nodiscard]] inline const tinygltf::Value* member(const tinygltf::Value* of, const std::string& name) {
+  return of && of->Has(name) ? &of->Get(name) : nullptr;
 }
-[[nodiscard]] inline Index index_member(const tinygltf::Value& of, const std::string& name) {
+[[nodiscard]] inline Index index_member(const tinygltf::Value* of, const std::string& name) {
   const auto* value = member(of, name);
   return value ? index_of(value->GetNumberAsInt()) : Index{};
 }
-[[nodiscard]] inline std::string text_member(const tinygltf::Value& of, const std::string& name,
+[[nodiscard]] inline std::string text_member(const tinygltf::Value* of, const std::string& name,
                                              const std::string& otherwise = "") {
   const auto* value = member(of, name);
   return value ? value->Get<std::string>() : otherwise;
 }
-/// The elements of a list; none if it or `of` is absent.
 [[nodiscard]] inline const tinygltf::Value::Array& list_member(const tinygltf::Value* of, const char* name) {
   static const tinygltf::Value::Array none;
-  const auto* value = of ? member(*of, name) : nullptr;
+  const auto* value = member(of, name);
   return value ? value->Get<tinygltf::Value::Array>() : none;
 }
 template <class Vector>
-[[nodiscard]] Vector vector_member(const tinygltf::Value& of, const std::string& name, Vector otherwise) {
+[[nodiscard]] Vector vector_member(const tinygltf::Value* of, const std::string& name, Vector otherwise) {
   if (const auto* value = member(of, name))
     for (int i = 0; i < Vector::length(); ++i) otherwise[i] = value->Get(i).GetNumberAsDouble();
   return otherwise;
@@ -203,14 +201,12 @@ template <class Vector>
 
 /// The light of a node (KHR_lights_punctual).
 [[nodiscard]] inline Index light_of(const Node& node) {
-  const auto* light = extension(node.extensions, "KHR_lights_punctual");
-  return light ? index_member(*light, "light") : Index{};
+  return index_member(extension(node.extensions, "KHR_lights_punctual"), "light");
 }
 
 /// KHR_node_visibility.
 [[nodiscard]] inline bool is_visible(const Node& node) {
-  const auto* visibility = extension(node.extensions, "KHR_node_visibility");
-  const auto* visible = visibility ? member(*visibility, "visible") : nullptr;
+  const auto* visible = member(extension(node.extensions, "KHR_node_visibility"), "visible");
   return !visible || visible->Get<bool>();
 }
 /// The path of a channel that animates it.
@@ -218,8 +214,7 @@ inline constexpr std::string_view kVisiblePath = "extensions/KHR_node_visibility
 
 /// The image of a texture: that of EXT_texture_webp, else the one that every program can read.
 [[nodiscard]] inline Index image_of(const tinygltf::Texture& texture) {
-  const auto* webp = extension(texture.extensions, "EXT_texture_webp");
-  const Index source = webp ? index_member(*webp, "source") : Index{};
+  const Index source = index_member(extension(texture.extensions, "EXT_texture_webp"), "source");
   return source ? source : index_of(texture.source);
 }
 

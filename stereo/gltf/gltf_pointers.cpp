@@ -30,8 +30,7 @@ std::optional<Pointed> pointed(std::string_view pointer, std::string_view list,
 }
 
 std::string pointer_of(const AnimationChannel& channel) {
-  const auto* pointer = extension(channel.target_extensions, "KHR_animation_pointer");
-  return pointer ? text_member(*pointer, "pointer") : "";
+  return text_member(extension(channel.target_extensions, "KHR_animation_pointer"), "pointer");
 }
 
 }  // namespace

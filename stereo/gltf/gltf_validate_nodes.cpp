@@ -1,5 +1,6 @@
 /// Validation of the nodes (a forest), their transforms, and the scenes.
 #include <cmath>
+#include <glm/gtc/matrix_access.hpp>
 
 #include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_validate.h"
@@ -37,17 +38,14 @@ bool is_flat(const glm::dmat4& m) {
 
 /// Gives a matrix that flattens along one of its axes a thickness of 1e-9 of its size, nearly as a scale of 0
 /// gets (stage_from_nodes). False for other matrices.
-bool thicken(std::vector<double>& matrix) {
-  const auto column = [&](std::size_t i) {
-    return glm::dvec3(matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]);
-  };
-  for (std::size_t i = 0; i < 3; ++i) {
-    const glm::dvec3 a = column((i + 1) % 3), b = column((i + 2) % 3), normal = glm::cross(a, b);
+bool thicken(glm::dmat4& matrix) {
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 a(matrix[(i + 1) % 3]), b(matrix[(i + 2) % 3]), normal = glm::cross(a, b);
     const double lengths = glm::length(a) * glm::length(b),
                  longest = std::max(glm::length(a), glm::length(b));
-    if (column(i) != glm::dvec3(0.0) || !(glm::length(normal) > kLeastRelativeVolume * lengths)) continue;
-    const glm::dvec3 thin = glm::normalize(normal) * (1e-9 * longest);
-    for (std::size_t row = 0; row < 3; ++row) matrix[4 * i + row] = thin[static_cast<int>(row)];
+    if (glm::dvec3(matrix[i]) != glm::dvec3(0.0) || !(glm::length(normal) > kLeastRelativeVolume * lengths))
+      continue;
+    matrix[i] = glm::dvec4(glm::normalize(normal) * (1e-9 * longest), 0.0);
     return true;
   }
   return false;
@@ -55,13 +53,15 @@ bool thicken(std::vector<double>& matrix) {
 
 /// A matrix without volume becomes a scale of 0, unless it flattens along one axis.
 void mend_transform(const std::string& name, Node& node, Repairs& repairs) {
-  if (const auto matrix = matrix_of(node)) {
-    const glm::dmat4& m = *matrix;
-    if (glm::dvec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::dvec4(0, 0, 0, 1))
+  if (auto matrix = matrix_of(node)) {
+    glm::dmat4& m = *matrix;
+    const glm::dvec4 last(0, 0, 0, 1);
+    if (glm::row(m, 3) != last)
       repairs.add("it counts as that", name + ": the last row of its matrix is not 0 0 0 1");
-    for (const int i : {3, 7, 11, 15}) at(node.matrix, i) = i == 15;
-    if (!is_flat(m)) return;
-    if (thicken(node.matrix)) return;
+    m = glm::row(m, 3, last);
+    const bool is_usable = !is_flat(m) || thicken(m);
+    node.matrix.assign(glm::value_ptr(m), glm::value_ptr(m) + 16);
+    if (is_usable) return;
     node.translation = {m[3].x, m[3].y, m[3].z};
     node.scale = {0, 0, 0};
     node.matrix.clear();
