@@ -48,6 +48,15 @@ void for_each_element(const Document& document, const Accessor& accessor, Store 
   });
 }
 
+unsigned numbers_of(const Accessor& accessor) {
+  const Component component = component_of(accessor);
+  if (component == Component::Float) return kFloats;
+  if (component == Component::UInt32) return accessor.normalized ? 0u : kUnsigned32;
+  if (component == Component::Int8 || component == Component::Int16)
+    return accessor.normalized ? kNormalizedSigned : kSigned;
+  return accessor.normalized ? kNormalizedUnsigned : kUnsigned;
+}
+
 }  // namespace
 
 Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document, const std::string& name,
@@ -75,6 +84,27 @@ Expected<const Accessor*> accessor_at(const Document& document, const std::strin
   const Accessor& accessor = at(document.accessors, index);
   if (accessor.name.empty()) return &accessor;
   return malformed(user + ": " + accessor.name);
+}
+
+Expected<const Accessor*> accessor_of(const Document& document, const std::string& user, int index,
+                                      const Elements& elements, const std::string& fault) {
+  const auto found = accessor_at(document, user, index);
+  if (!found) return found;
+  const Shape shape = shape_of(**found);
+  if ((numbers_of(**found) & elements.numbers) != 0 && shape.columns == elements.columns &&
+      shape.rows >= elements.least_rows && shape.rows <= elements.most_rows)
+    return found;
+  return malformed(user + " " + label("accessor", index) + " " + fault);
+}
+
+Expected<const Accessor*> attribute_of(const Document& document, const std::string& user, std::uint32_t index,
+                                       const Elements& elements, std::optional<std::uint64_t> count,
+                                       const char* what) {
+  const auto found = accessor_of(document, user, static_cast<int>(index), elements,
+                                 "has a type that this attribute cannot have");
+  if (!found || (*found)->count == count.value_or((*found)->count)) return found;
+  return malformed(user + " " + label("accessor", index) + " has " + std::to_string((*found)->count) +
+                   " elements for " + std::to_string(*count) + " " + what);
 }
 
 template <int N>
@@ -111,14 +141,15 @@ std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
   return result;
 }
 
-std::optional<std::uint64_t> first_not_finite(const Document& document, const Accessor& accessor) {
+Checked check_finite(const Document& document, const std::string& name, const Accessor& accessor) {
   std::optional<std::uint64_t> first;
-  if (component_of(accessor) != Component::Float) return first;
+  if (component_of(accessor) != Component::Float) return {};
   for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto) {
     for (std::uint64_t at = 0; at < element_bytes(accessor) && !first; at += sizeof(float))
       if (!std::isfinite(load<float>(bytes + at))) first = i;
   });
-  return first;
+  if (!first) return {};
+  return malformed(name + ": element " + std::to_string(*first) + " is not finite");
 }
 
 std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t index) {

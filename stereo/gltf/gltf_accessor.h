@@ -38,9 +38,37 @@ auto with_type(Component component, Use use) {
 [[nodiscard]] Expected<const Accessor*> accessor_at(const Document& document, const std::string& user,
                                                     int index);
 
-/// The first element that is not finite.
-[[nodiscard]] std::optional<std::uint64_t> first_not_finite(const Document& document,
-                                                            const Accessor& accessor);
+/// Kinds of numbers, as bits. Integers have 8 or 16 bits unless the name says 32.
+enum Numbers : unsigned {
+  kFloats = 1,
+  kSigned = 2,
+  kUnsigned = 4,
+  kNormalizedSigned = 8,
+  kNormalizedUnsigned = 16,
+  kUnsigned32 = 32,
+  kFloatsOrNormalized = kFloats | kNormalizedSigned | kNormalizedUnsigned,
+  kFloatsOrShort = kFloatsOrNormalized | kSigned | kUnsigned,
+};
+
+/// The elements that a reader can read.
+struct Elements {
+  unsigned numbers;  ///< bits of Numbers
+  std::uint32_t least_rows, most_rows = least_rows, columns = 1;
+};
+
+/// As accessor_at, for a reader of some elements. Otherwise `fault` follows the name of the accessor.
+[[nodiscard]] Expected<const Accessor*> accessor_of(const Document& document, const std::string& user,
+                                                    int index, const Elements& elements,
+                                                    const std::string& fault);
+
+/// The accessor of an attribute, which has a value for each of `count` vertices or instances (`what`).
+[[nodiscard]] Expected<const Accessor*> attribute_of(const Document& document, const std::string& user,
+                                                     std::uint32_t index, const Elements& elements,
+                                                     std::optional<std::uint64_t> count, const char* what);
+
+/// Whether all elements are finite. `name` is that of the accessor.
+[[nodiscard]] Checked check_finite(const Document& document, const std::string& name,
+                                   const Accessor& accessor);
 
 /// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
 template <int N>

@@ -77,14 +77,14 @@ void apply_filter(const MeshoptView& from, Bytes& bytes) {
   if (from.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), from.count, from.stride);
 }
 
-Checked decompress_view(Document& document, std::size_t index, const MeshoptView& from,
-                        DecodedBudget& budget) {
+Checked decompress_view(Document& document, std::size_t index, const MeshoptView& from, Budget& budget) {
   BufferView& view = document.bufferViews[index];
   const std::string name = label("compressed buffer view", index);
   const auto source = bytes_in_buffer(document, name, from.buffer, from.offset, from.bytes);
   if (!source) return tl::unexpected(source.error());
-  auto checked =
-      check_meshopt(name, from, view.byteLength).and_then([&] { return budget.take(name, view.byteLength); });
+  Checked checked = check_meshopt(name, from, view.byteLength).and_then([&] {
+    return budget.take(view.byteLength, name + kTooMuch);
+  });
   if (!checked) return checked;
   Bytes bytes(view.byteLength);
   if (decode(from, *source, bytes) != 0) {
@@ -103,19 +103,8 @@ Checked decompress_view(Document& document, std::size_t index, const MeshoptView
 
 }  // namespace
 
-DecodedBudget::DecodedBudget(const Document& document) : left_(std::uint64_t{1} << 26) {
-  for (const auto& buffer : document.buffers) left_ += 256 * buffer.data.size();
-}
-
-Checked DecodedBudget::take(const std::string& name, std::uint64_t bytes) {
-  if (bytes > left_)
-    return fail(Fault::OutOfRange, name + " decodes to more bytes than a file of this size should have");
-  left_ -= bytes;
-  return {};
-}
-
 Checked decompress(Document& document) {
-  DecodedBudget budget(document);
+  Budget budget((std::uint64_t{1} << 26) + 256 * buffer_bytes(document));
   for (std::size_t i = 0; i < document.bufferViews.size(); ++i) {
     const auto from = meshopt_of(document.bufferViews[i]);
     const Checked decoded = from ? decompress_view(document, i, *from, budget) : Checked{};

@@ -10,25 +10,15 @@
 
 namespace farshade::gltf {
 
-/// The bytes that decoding may allocate for everything that a file compresses: 2^26 + 256 * bytes of its
-/// buffers. Draco needs the most: about 180 bytes for a triangle, which it can compress to little more than
-/// one byte.
-class DecodedBudget {
- public:
-  explicit DecodedBudget(const Document& document);
-
-  /// OutOfRange, naming `name`, if fewer than `bytes` are left.
-  [[nodiscard]] Checked take(const std::string& name, std::uint64_t bytes);
-
- private:
-  std::uint64_t left_;
-};
-
 /// Decodes all compressed views and primitives into buffers of their own. A damaged view says so in its name,
-/// a damaged primitive becomes an empty one. Refuses what exceeds the budget.
+/// a damaged primitive becomes an empty one. Refuses what exceeds the budget: decoding may allocate
+/// 2^26 + 256 * bytes of all buffers. Draco needs the most: about 180 bytes for a triangle, which it can
+/// compress to little more than one byte.
 [[nodiscard]] Checked decompress(Document& document);
 
+inline constexpr const char* kTooMuch = " decodes to more bytes than a file of this size should have";
+
 /// Decodes the primitives with Draco meshes: their attributes and indices become accessors of their own.
-[[nodiscard]] Checked decompress_draco(Document& document, DecodedBudget& budget);
+[[nodiscard]] Checked decompress_draco(Document& document, Budget& budget);
 
 }  // namespace farshade::gltf

@@ -65,10 +65,9 @@ std::vector<Shown> when_shown(const Scene& scene) {
   return shown;
 }
 
-/// False for NaN.
-bool is_near(const glm::dvec3& p) {
-  return std::abs(p.x) <= kMaxDistance_m && std::abs(p.y) <= kMaxDistance_m &&
-         std::abs(p.z) <= kMaxDistance_m;
+template <class Vector>
+bool is_near(const Vector& point) {
+  return lies_within(kMaxDistance_m, point);
 }
 
 /// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
@@ -102,7 +101,7 @@ Expected<farshade::Mesh> deformed_mesh(const Document& document, const Primitive
   mesh.name = name;
   mesh.material = materials.material(index_of(primitive.material));
   pose_at_start(pose, mesh);
-  if (!std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
+  if (!std::ranges::all_of(mesh.positions, is_near<glm::vec3>))
     return fail(Fault::OutOfRange, "mesh '" + printable(name) + "' is deformed beyond 1e9 m");
   return mesh;
 }

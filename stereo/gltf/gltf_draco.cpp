@@ -44,7 +44,7 @@ std::optional<Connectivity> connectivity_of(draco::DecoderBuffer ahead, draco::M
 template <class Decoder, draco::MeshEncoderMethod kMethod>
 class BoundedDecoder : public Decoder {
  public:
-  BoundedDecoder(std::string name, std::uint64_t triangles, DecodedBudget& budget)
+  BoundedDecoder(std::string name, std::uint64_t triangles, Budget& budget)
       : name_(std::move(name)), triangles_(triangles), budget_(budget) {}
 
   /// The decoded mesh has as many triangles as the JSON says.
@@ -66,7 +66,7 @@ class BoundedDecoder : public Decoder {
       verdict_ = malformed(name_ + " has " + std::to_string(counts->triangles) + " triangles, its accessor " +
                            std::to_string(triangles_));
     else
-      verdict_ = budget_.take(name_, triangles_ * (kTriangleBytes + kSeamBytes * counts->tables));
+      verdict_ = budget_.take(triangles_ * (kTriangleBytes + kSeamBytes * counts->tables), name_ + kTooMuch);
     return verdict_ && Decoder::DecodeConnectivity();
   }
 
@@ -75,20 +75,20 @@ class BoundedDecoder : public Decoder {
     std::uint64_t value_bytes = 0;  // of one vertex
     for (int i = 0; i < points.num_attributes(); ++i)
       value_bytes += points.attribute(i)->num_components() * sizeof(std::uint32_t) + sizeof(std::uint32_t);
-    verdict_ = budget_.take(name_, points.num_points() * value_bytes * kCopies);
+    verdict_ = budget_.take(points.num_points() * value_bytes * kCopies, name_ + kTooMuch);
     return verdict_ && Decoder::DecodeAllAttributes();
   }
 
  private:
   std::string name_;
   std::uint64_t triangles_;
-  DecodedBudget& budget_;
+  Budget& budget_;
   Checked verdict_;
 };
 
 Expected<std::unique_ptr<draco::Mesh>> decode_mesh(std::span<const std::uint8_t> bytes,
                                                    const std::string& name, std::uint64_t triangles,
-                                                   DecodedBudget& budget) {
+                                                   Budget& budget) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::DecoderBuffer ahead = buffer;
@@ -177,7 +177,7 @@ int take_indices(Document& document, std::uint32_t accessor, const draco::Mesh& 
 
 /// `draco`: the extension of the primitive.
 Checked decompress_primitive(Document& document, const std::string& name, const tinygltf::Value& draco,
-                             Primitive& primitive, DecodedBudget& budget) {
+                             Primitive& primitive, Budget& budget) {
   const auto indices = accessor_at(document, name + ": index", primitive.indices);
   if (primitive.indices < 0 || primitive.mode != TINYGLTF_MODE_TRIANGLES)
     return malformed(name + " should have triangles with indices");
@@ -199,7 +199,7 @@ Checked decompress_primitive(Document& document, const std::string& name, const 
 
 }  // namespace
 
-Checked decompress_draco(Document& document, DecodedBudget& budget) {
+Checked decompress_draco(Document& document, Budget& budget) {
   for (std::size_t m = 0; m < document.meshes.size(); ++m)
     for (std::size_t p = 0; p < document.meshes[m].primitives.size(); ++p) {
       Primitive& primitive = document.meshes[m].primitives[p];

@@ -7,13 +7,6 @@
 namespace farshade::gltf {
 namespace {
 
-/// Instances of all nodes together: 2^16, and one for each four bytes of the buffers.
-std::uint64_t instance_budget(const Document& document) {
-  std::uint64_t bytes = 0;
-  for (const auto& buffer : document.buffers) bytes += buffer.data.size();
-  return (std::uint64_t{1} << 16) + bytes / 4;
-}
-
 /// EXT_mesh_gpu_instancing of a node: accessors with one value per instance.
 struct Instancing {
   Index translation, rotation, scale;
@@ -27,33 +20,19 @@ std::optional<Instancing> instancing_of(const Node& node) {
                     index_member(attributes, "SCALE")};
 }
 
-Checked check_attribute(const Document& document, const std::string& name, Index index, std::uint32_t rows,
-                        std::optional<std::uint64_t>& count) {
-  if (!index) return {};
-  const auto found = accessor_at(document, name + ": instance", static_cast<int>(*index));
-  if (!found) return tl::unexpected(found.error());
-  const Accessor& accessor = **found;
-  const std::string subject = name + ": instance " + label("accessor", *index);
-  const Component component = component_of(accessor);
-  const bool whole = accessor.normalized && (component == Component::Int8 || component == Component::Int16);
-  if (!has_shape(accessor, rows) || !(component == Component::Float || (rows == 4 && whole)))
-    return malformed(subject + " has a type that this attribute cannot have");
-  if (count.value_or(accessor.count) != accessor.count)
-    return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +
-                     std::to_string(*count) + " instances");
-  count = accessor.count;
-  return {};
-}
-
 /// The number of instances.
 Expected<std::uint64_t> check_instances(const Document& document, const std::string& name,
                                         const Instancing& from) {
   std::optional<std::uint64_t> count;
-  const std::pair<Index, std::uint32_t> attributes[] = {
-      {from.translation, 3}, {from.rotation, 4}, {from.scale, 3}};
-  for (const auto& [index, rows] : attributes)
-    if (const Checked checked = check_attribute(document, name, index, rows, count); !checked)
-      return tl::unexpected(checked.error());
+  const std::pair<Index, Elements> attributes[] = {{from.translation, {kFloats, 3}},
+                                                   {from.rotation, {kFloats | kNormalizedSigned, 4}},
+                                                   {from.scale, {kFloats, 3}}};
+  for (const auto& [index, elements] : attributes) {
+    if (!index) continue;
+    const auto found = attribute_of(document, name + ": instance", *index, elements, count, "instances");
+    if (!found) return tl::unexpected(found.error());
+    count = (*found)->count;
+  }
   return count.value_or(1);
 }
 
@@ -113,7 +92,8 @@ void share_weights(const WeightChannels& channels, std::size_t node, std::size_t
 }  // namespace
 
 Checked expand_instances(Document& document) {
-  std::uint64_t left = instance_budget(document);
+  // Of all nodes together: 2^16, and one for each four bytes of the buffers.
+  Budget left((std::uint64_t{1} << 16) + buffer_bytes(document) / 4);
   const std::size_t nodes = document.nodes.size();  // of the file
   const WeightChannels channels = weight_channels(document);
   for (std::size_t i = 0; i < nodes; ++i) {
@@ -126,10 +106,10 @@ Checked expand_instances(Document& document) {
     if (!count) continue;
     // What each instance has besides its place: its name, the weights, and channels that move them.
     const std::uint64_t each = 1 + node.name.size() / 64 + node.weights.size() / 16 + channels.count(i) / 8;
-    if (*count > left / each)
-      return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
-                                         " instances are more than a file of this size should have");
-    left -= *count * each;
+    const Checked taken =
+        left.take(*count * each, name + ": " + std::to_string(*count) +
+                                     " instances are more than a file of this size should have");
+    if (!taken) return taken;
     const std::size_t first = document.nodes.size();
     std::vector<Node> made = instances_of(document, node, *instancing, *count);
     for (Node& instance : made) {

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vector_relational.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,6 +63,29 @@ struct Document : tinygltf::Model {
   Repairs repairs;                               ///< faults of the file, and what is drawn instead
 };
 
+/// What a file may still use of a limit that grows with its size.
+class Budget {
+ public:
+  explicit Budget(std::uint64_t all) : left_(all) {}
+
+  /// OutOfRange with `fault` if less than `amount` is left.
+  [[nodiscard]] Checked take(std::uint64_t amount, std::string fault) {
+    if (amount > left_) return fail(Fault::OutOfRange, std::move(fault));
+    left_ -= amount;
+    return {};
+  }
+
+ private:
+  std::uint64_t left_;
+};
+
+/// The bytes of all buffers.
+[[nodiscard]] inline std::uint64_t buffer_bytes(const Document& document) {
+  std::uint64_t bytes = 0;
+  for (const auto& buffer : document.buffers) bytes += buffer.data.size();
+  return bytes;
+}
+
 /// True if the index is absent or in range for `list`.
 template <class List>
 [[nodiscard]] bool points_into(const List& list, int index) {
@@ -101,10 +126,6 @@ struct Shape {
   // TINYGLTF_TYPE_VEC2 to 4 are 2 to 4, MAT2 to 4 are 34 to 36, and SCALAR is 65.
   const auto rows = static_cast<std::uint32_t>(accessor.type % 32);
   return {rows, accessor.type / 32 == 1 ? rows : 1};
-}
-[[nodiscard]] inline bool has_shape(const Accessor& accessor, std::uint32_t rows, std::uint32_t columns = 1) {
-  const Shape shape = shape_of(accessor);
-  return shape.rows == rows && shape.columns == columns;
 }
 
 /// Columns of a matrix are aligned to four bytes.
@@ -149,6 +170,12 @@ template <class Vector>
   if (!from.empty())
     for (int i = 0; i < Vector::length(); ++i) otherwise[i] = from[static_cast<std::size_t>(i)];
   return otherwise;
+}
+/// Whether all parts of a vector lie within +-most. False for NaN.
+template <class Vector>
+[[nodiscard]] bool lies_within(double most, const Vector& vector) {
+  return glm::all(
+      glm::lessThanEqual(glm::abs(vector), Vector(static_cast<typename Vector::value_type>(most))));
 }
 [[nodiscard]] inline glm::dvec3 translation_of(const Node& node) {
   return vector_of(node.translation, glm::dvec3(0.0));

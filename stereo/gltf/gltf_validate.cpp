@@ -61,25 +61,23 @@ Checked check_sparse(const Document& document, const std::string& name, const Ac
 }  // namespace
 
 std::uint64_t element_budget(const Document& document) {
-  std::uint64_t bytes = 0;
-  for (const auto& buffer : document.buffers) bytes += buffer.data.size();
-  return std::min((std::uint64_t{1} << 22) + 8 * bytes, std::uint64_t{1} << 30);
+  return std::min((std::uint64_t{1} << 22) + 8 * buffer_bytes(document), std::uint64_t{1} << 30);
 }
 
 void validate_accessors(Document& document) {
-  std::uint64_t left = element_budget(document);
+  Budget left(element_budget(document));
   for (std::size_t i = 0; i < document.accessors.size(); ++i) {
     Accessor& accessor = document.accessors[i];
     const std::string name = label("accessor", i);
     if (!accessor.name.empty()) continue;
-    Checked checked = check_dense(document, name, accessor);
-    if (checked && accessor.count > left)
-      checked = malformed(name + ": " + std::to_string(accessor.count) +
-                          " elements are more than a file of this size should have");
-    if (checked) left -= accessor.count;
-    if (checked) checked = check_sparse(document, name, accessor);
-    if (const auto bad = checked ? first_not_finite(document, accessor) : std::nullopt)
-      checked = malformed(name + ": element " + std::to_string(*bad) + " is not finite");
+    const Checked checked =
+        check_dense(document, name, accessor)
+            .and_then([&] {
+              return left.take(accessor.count, name + ": " + std::to_string(accessor.count) +
+                                                   " elements are more than a file of this size should have");
+            })
+            .and_then([&] { return check_sparse(document, name, accessor); })
+            .and_then([&] { return check_finite(document, name, accessor); });
     if (!checked) accessor.name = checked.error().what;
     if (checked && accessor.bufferView >= 0 &&
         (at(document.bufferViews, accessor.bufferView).byteOffset + accessor.byteOffset) %

@@ -19,11 +19,10 @@ std::size_t parts_of(const AnimationSampler& sampler) {
 }
 
 Checked check_keys(const Document& document, const std::string& name, int index) {
-  const auto accessor = accessor_at(document, name + ": key", index);
+  const auto accessor =
+      accessor_of(document, name + ": key", index, {kFloats, 1}, "should hold float scalars");
   if (!accessor) return tl::unexpected(accessor.error());
   const std::string subject = name + ": key " + label("accessor", index);
-  if (component_of(**accessor) != Component::Float || !has_shape(**accessor, 1))
-    return malformed(subject + " should hold float scalars");
   const auto keys = read_scalars(document, static_cast<std::uint32_t>(index));
   if (std::adjacent_find(keys.begin(), keys.end(), std::greater_equal<>()) != keys.end())
     return malformed(subject + ": its times should grow");
@@ -47,18 +46,14 @@ bool may_be(const std::string& property, const glm::vec4& value) {
 /// and STEP where a property is a boolean; other scalars are read as bytes are, other interpolations as STEP.
 Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
                      const std::string& property, std::uint64_t values_a_key = 1) {
-  const auto found = accessor_at(document, name + ": value", sampler.output);
+  const bool is_vector = property == "translation" || property == "scale", is_flag = property == kVisiblePath;
+  const std::uint32_t rows = property == "rotation" ? 4 : is_vector || property == "color" ? 3 : 1;
+  const Numbers numbers = is_vector ? kFloats : is_flag ? kFloatsOrShort : kFloatsOrNormalized;
+  const auto found = accessor_of(document, name + ": value", sampler.output, {numbers, rows},
+                                 "has a type that " + property + " cannot have");
   if (!found) return tl::unexpected(found.error());
   const Accessor& accessor = **found;
   const std::string subject = name + ": value " + label("accessor", sampler.output);
-  const bool is_vector = property == "translation" || property == "scale";
-  const std::uint32_t rows = property == "rotation" ? 4 : is_vector || property == "color" ? 3 : 1;
-  const Component component = component_of(accessor);
-  const bool is_flag = property == kVisiblePath;
-  const bool is_whole = component != Component::UInt32 && (is_flag || (accessor.normalized && !is_vector));
-  const bool fits = component == Component::Float || is_whole;
-  if (!fits || !has_shape(accessor, rows))
-    return malformed(subject + " has a type that " + property + " cannot have");
   const std::size_t parts = is_flag ? 1 : parts_of(sampler);
   const std::uint64_t wanted = at(document.accessors, sampler.input).count * parts * values_a_key;
   if (accessor.count != wanted)

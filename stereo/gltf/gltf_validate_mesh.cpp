@@ -11,54 +11,27 @@ namespace farshade::gltf {
 namespace {
 
 /// Largest coordinate of a vertex, in units of its space. Its square is far below the largest float.
-constexpr float kMaxCoordinate = 1e9f;
+constexpr double kMaxCoordinate = 1e9;
 
-/// Component types that an attribute may have. `integers` says which integers KHR_mesh_quantization allows.
-/// Joints are never floats.
-enum class Integers { NormalizedUnsigned, NormalizedSigned, Any, Joints };
-
+/// An attribute, and the elements that it may have with KHR_mesh_quantization.
 struct Attribute {
   std::string semantic;
-  std::uint32_t least_rows, most_rows;
-  Integers integers;
+  Elements elements;
 };
-
-bool is_allowed(const Accessor& accessor, Integers integers) {
-  const Component c = component_of(accessor);
-  if (integers == Integers::Joints)
-    return (c == Component::UInt8 || c == Component::UInt16) && !accessor.normalized;
-  if (c == Component::Float) return true;
-  if (c == Component::UInt32) return false;
-  if (integers == Integers::Any) return true;
-  const bool is_signed = c == Component::Int8 || c == Component::Int16;
-  return accessor.normalized && is_signed == (integers == Integers::NormalizedSigned);
-}
 
 Checked check_attribute(const Document& document, const std::string& name,
                         const std::map<std::string, int>& attributes, const Attribute& expected,
                         std::uint64_t vertices) {
   const Index index = attribute(attributes, expected.semantic);
   if (!index) return {};
-  const std::string user = name + ": " + printable(expected.semantic);
-  const auto found = accessor_at(document, user, static_cast<int>(*index));
-  if (!found) return tl::unexpected(found.error());
-  const Accessor& accessor = **found;
-  const std::string subject = user + " " + label("accessor", *index);
-  const Shape shape = shape_of(accessor);
-  if (shape.columns != 1 || shape.rows < expected.least_rows || shape.rows > expected.most_rows ||
-      !is_allowed(accessor, expected.integers))
-    return malformed(subject + " has a type that this attribute cannot have");
-  if (accessor.count != vertices)
-    return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +
-                     std::to_string(vertices) + " vertices");
-  return {};
+  return attribute_of(document, name + ": " + printable(expected.semantic), *index, expected.elements,
+                      vertices, "vertices")
+      .map([](const Accessor*) {});
 }
 
 Checked check_positions(const Document& document, const std::string& name, std::uint32_t index) {
   const auto positions = read_vectors<3>(document, index);
-  const auto is_far = [](glm::vec3 p) {
-    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kMaxCoordinate;
-  };
+  const auto is_far = [](const glm::vec3& p) { return !lies_within(kMaxCoordinate, p); };
   const auto far = std::find_if(positions.begin(), positions.end(), is_far);
   if (far == positions.end()) return {};
   return malformed(name + ": POSITION " + label("accessor", index) + ": vertex " +
@@ -68,19 +41,16 @@ Checked check_positions(const Document& document, const std::string& name, std::
 Checked check_indices(Document& document, const std::string& name, const Primitive& primitive,
                       std::uint64_t vertices) {
   if (primitive.indices < 0) return {};
-  const auto found = accessor_at(document, name + ": index", primitive.indices);
+  const auto found = accessor_of(document, name + ": index", primitive.indices, {kUnsigned | kUnsigned32, 1},
+                                 "should hold unsigned integers");
   if (!found) return tl::unexpected(found.error());
-  const std::string subject = name + ": index " + label("accessor", primitive.indices);
-  const Component c = component_of(**found);
-  const bool is_unsigned = c == Component::UInt8 || c == Component::UInt16 || c == Component::UInt32;
-  if (!is_unsigned || !has_shape(**found, 1) || (*found)->normalized)
-    return malformed(subject + " should hold unsigned integers");
   const auto indices = read_indices(document, static_cast<std::uint32_t>(primitive.indices));
   const auto worst = std::max_element(indices.begin(), indices.end());
   if (*worst >= vertices)
-    document.repairs.add("its triangles are not drawn", subject + ": index " + std::to_string(*worst) +
-                                                            " is beyond the " + std::to_string(vertices) +
-                                                            " vertices");
+    document.repairs.add("its triangles are not drawn",
+                         name + ": index " + label("accessor", primitive.indices) + ": index " +
+                             std::to_string(*worst) + " is beyond the " + std::to_string(vertices) +
+                             " vertices");
   return {};
 }
 
@@ -90,21 +60,21 @@ std::string texcoord_semantic(const Document& document, const Primitive& primiti
   return texture ? "TEXCOORD_" + std::to_string(texture->texcoord) : "";
 }
 
+const Attribute kPosition{"POSITION", {kFloatsOrShort, 3}};
+
 /// What no triangle can do without: vertices and indices.
-Checked check_shape(Document& document, const std::string& name, const Primitive& primitive,
-                    std::uint64_t& left) {
+Checked check_shape(Document& document, const std::string& name, const Primitive& primitive, Budget& left) {
   const auto found = accessor_at(document, name + ": POSITION", primitive.attributes.at("POSITION"));
   if (!found) return tl::unexpected(found.error());
   const std::uint64_t vertices = (*found)->count;
   const std::uint64_t indices = primitive.indices >= 0 && points_into(document.accessors, primitive.indices)
                                     ? at(document.accessors, primitive.indices).count
                                     : vertices;
-  if (vertices + indices > left)
-    return fail(Fault::OutOfRange, name + ": more vertices than a file of this size should have");
-  left -= vertices + indices;
   const auto position = static_cast<std::uint32_t>(primitive.attributes.at("POSITION"));
   const Checked checked =
-      check_attribute(document, name, primitive.attributes, {"POSITION", 3, 3, Integers::Any}, vertices)
+      left.take(vertices + indices, name + ": more vertices than a file of this size should have")
+          .and_then(
+              [&] { return check_attribute(document, name, primitive.attributes, kPosition, vertices); })
           .and_then([&] { return check_positions(document, name, position); })
           .and_then([&] { return check_indices(document, name, primitive, vertices); });
   const std::string few = name + ": " + std::to_string(indices) + " vertices do not make whole triangles";
@@ -125,8 +95,7 @@ void keep_attributes(Document& document, const std::string& name, std::span<cons
   }
 }
 
-Checked check_primitive(Document& document, const std::string& name, Primitive& primitive,
-                        std::uint64_t& left) {
+Checked check_primitive(Document& document, const std::string& name, Primitive& primitive, Budget& left) {
   if (!points_into(document.materials, primitive.material)) {
     document.repairs.add("it has the default material",
                          name + ": there is no " + label("material", primitive.material));
@@ -139,45 +108,39 @@ Checked check_primitive(Document& document, const std::string& name, Primitive& 
   shape = shape.and_then([&] { return check_shape(document, name, primitive, left); });
   if (!shape) return mended(std::move(shape), document.repairs, kNotDrawn, [&] { primitive = {}; });
   const std::uint64_t vertices = at(document.accessors, primitive.attributes.at("POSITION")).count;
-  const Attribute attributes[] = {{"NORMAL", 3, 3, Integers::NormalizedSigned},
-                                  {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
-                                  {texcoord_semantic(document, primitive), 2, 2, Integers::Any},
-                                  {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned},
-                                  {"JOINTS_0", 4, 4, Integers::Joints}};
+  const Attribute attributes[] = {{"NORMAL", {kFloats | kNormalizedSigned, 3}},
+                                  {"COLOR_0", {kFloats | kNormalizedUnsigned, 3, 4}},
+                                  {texcoord_semantic(document, primitive), {kFloatsOrShort, 2}},
+                                  {"WEIGHTS_0", {kFloats | kNormalizedUnsigned, 4}},
+                                  {"JOINTS_0", {kUnsigned, 4}}};
   keep_attributes(document, name, attributes, vertices, primitive.attributes);
-  const Attribute moved[] = {{"POSITION", 3, 3, Integers::Any}, {"NORMAL", 3, 3, Integers::Any}};
+  const Attribute moved[] = {kPosition, {"NORMAL", {kFloatsOrShort, 3}}};
   for (auto& target : primitive.targets)
     keep_attributes(document, name + ", morph target", moved, vertices, target);
   return {};
 }
 
 /// `left`: the numbers that all skins together may still have.
-Checked check_skin(const Document& document, std::size_t index, const Skin& skin, std::uint64_t& left) {
+Checked check_skin(const Document& document, std::size_t index, const Skin& skin, Budget& left) {
   const std::string name = label("skin", index, skin.name);
   for (const int joint : skin.joints)
     if (!points_into(document.nodes, joint)) return malformed(name + ": there is no " + label("node", joint));
   std::uint64_t matrices = skin.joints.size();
   const Index inverse_bind = index_of(skin.inverseBindMatrices);
   if (inverse_bind) {
-    const auto found = accessor_at(document, name + ": inverse bind", skin.inverseBindMatrices);
+    const std::string user = name + ": inverse bind", fault = "should have a matrix of floats for each joint";
+    const auto found = accessor_of(document, user, skin.inverseBindMatrices, {kFloats, 4, 4, 4}, fault);
     if (!found) return tl::unexpected(found.error());
-    const Accessor& accessor = **found;
-    if (component_of(accessor) != Component::Float || !has_shape(accessor, 4, 4) ||
-        accessor.count < skin.joints.size())
-      return malformed(name + ": inverse bind " + label("accessor", *inverse_bind) +
-                       " should have a matrix of floats for each joint");
-    matrices += accessor.count;
+    if ((*found)->count < skin.joints.size())
+      return malformed(user + " " + label("accessor", *inverse_bind) + " " + fault);
+    matrices += (*found)->count;
   }
-  if (16 * matrices > left)
-    return fail(Fault::OutOfRange, name + ": more joints than a file of this size should have");
-  left -= 16 * matrices;
-  if (!inverse_bind) return {};
-  const auto is_near = [](const glm::vec4& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z), std::abs(v.w)}) <= kMaxCoordinate;
-  };
+  const Checked taken = left.take(16 * matrices, name + ": more joints than a file of this size should have");
+  if (!taken || !inverse_bind) return taken;
   for (const glm::mat4& m : read_matrices(document, *inverse_bind))
-    if (!is_near(m[0]) || !is_near(m[1]) || !is_near(m[2]) || !is_near(m[3]))
-      return malformed(name + ": an inverse bind matrix has numbers beyond 1e9");
+    for (int column = 0; column < 4; ++column)
+      if (!lies_within(kMaxCoordinate, m[column]))
+        return malformed(name + ": an inverse bind matrix has numbers beyond 1e9");
   return {};
 }
 
@@ -221,17 +184,18 @@ constexpr const char* kUnskinned = "meshes are drawn without it";
 
 /// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
 Checked check_mesh_nodes(Document& document) {
-  std::uint64_t left = element_budget(document);
+  Budget left(element_budget(document));
   const std::set<int> tracks = nodes_with_moving(document, "weights");
   return check_each(document.nodes, [&](std::size_t index, Node& node) -> Checked {
     if (node.mesh < 0) return {};
     const std::string name = label("node", index, node.name);
     const std::uint64_t cost = cost_of(document, node, tracks.contains(static_cast<int>(index)));
-    if (cost > left)
-      return fail(Fault::OutOfRange,
-                  name + ": its mesh is shown or deformed more often than in a file of this size should be");
-    left -= cost;
-    return mended(check_joints(document, name, node), document.repairs, kUnskinned, [&] { node.skin = -1; });
+    return left
+        .take(cost, name + ": its mesh is shown or deformed more often than in a file of this size should be")
+        .and_then([&] {
+          return mended(check_joints(document, name, node), document.repairs, kUnskinned,
+                        [&] { node.skin = -1; });
+        });
   });
 }
 
@@ -267,7 +231,7 @@ void validate_lights(Document& document) {
 }
 
 Checked validate_meshes(Document& document) {
-  std::uint64_t left = element_budget(document);
+  Budget left(element_budget(document));
   return check_each(document.meshes, [&](std::size_t m, Mesh& mesh) {
     const Checked checked = check_each(mesh.primitives, [&](std::size_t p, Primitive& primitive) {
       const std::string name = label("mesh", m, mesh.name) + ", " + label("primitive", p);
@@ -279,7 +243,7 @@ Checked validate_meshes(Document& document) {
 }
 
 Checked validate_deformations(Document& document) {
-  std::uint64_t left = element_budget(document);
+  Budget left(element_budget(document));
   return check_each(document.skins,
                     [&](std::size_t i, Skin& skin) {
                       return mended(check_skin(document, i, skin, left), document.repairs, kUnskinned,
