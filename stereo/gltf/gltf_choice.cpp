@@ -88,11 +88,9 @@ Checked choose_animation(Document& document, const std::string& name) {
   if (clips.empty() || (found == clips.end() && name == "all")) return {};
   const auto playing = found == clips.end() ? 0 : found - clips.begin();
   const auto count = is_none ? 0 : 1;
-  const auto keep = [&](auto& list) {
-    list.erase(list.begin() + playing + count, list.end());
-    list.erase(list.begin(), list.begin() + playing);
-  };
-  keep(document.animations), keep(document.light_channels);
+  auto& animations = document.animations;
+  animations.erase(animations.begin() + playing + count, animations.end());
+  animations.erase(animations.begin(), animations.begin() + playing);
   return {};
 }
 

@@ -5,8 +5,6 @@
 
 #include "stereo/gltf/gltf_animation.h"
 #include "stereo/gltf/gltf_choice.h"
-#include "stereo/gltf/gltf_deform.h"
-#include "stereo/gltf/gltf_lights.h"
 #include "stereo/gltf/gltf_materials.h"
 #include "stereo/gltf/gltf_mesh.h"
 #include "stereo/gltf/gltf_validate.h"
@@ -183,7 +181,7 @@ Checked add_instances(Document& document, const NodeOrder& order, const SceneLim
     if (from.mesh < 0 || shown[node] == Shown::Never || (hidden[node] && from.skin < 0)) continue;
     const std::optional<std::uint32_t> shown_with =
         shown[node] == Shown::Sometimes ? std::optional(node) : std::nullopt;
-    if (deforms(document, from, number, tracks)) {
+    if (deforms(document, number, tracks)) {
       const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
       const std::size_t first = scene.instances.size();
       add_deformed(document, from, node, rig, poses, materials, scene);
@@ -203,7 +201,7 @@ Checked add_instances(Document& document, const NodeOrder& order, const SceneLim
 
 /// Sorts the lights by their index in the file, then by the node that carries them.
 Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                   const AnimatedLights& animated, const std::vector<Shown>& shown, Scene& scene) {
+                   const std::vector<AnimatedLight>& lights, const std::vector<Shown>& shown, Scene& scene) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
     if (const Index light = light_of(document.nodes[order.from_document[i]]);
@@ -214,12 +212,7 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
                                        std::to_string(limits.lights) + " can be told apart");
   std::sort(uses.begin(), uses.end());
   for (const auto& [light, node] : uses) {
-    const auto found = animated.find(light);
-    const bool changes = found != animated.end();
-    const Light& from = document.lights[light];
-    scene.lights.push_back(light_from(from, changes ? found->second.rest : values_of(from),
-                                      changes ? found->second.tracks : std::vector<LightTrack>{},
-                                      *order.to_scene[node]));
+    scene.lights.push_back(light_from(lights[light], *order.to_scene[node]));
     scene.lights.back().hides = shown[*order.to_scene[node]] == Shown::Sometimes;
   }
   return {};
@@ -285,12 +278,11 @@ Expected<Scene> convert(Document& document, const SceneLimits& limits) {
   scene.warnings = document.warnings;
   scene.contents = contents_of(document);
   add_nodes(document, order, scene);
-  const AnimatedLights lights = animated_lights(document, order.to_scene);
-  const WeightTracks tracks = add_animations(document, order.to_scene, lights, scene);
+  const Moving moving = add_animations(document, order.to_scene, scene);
   const std::vector<Shown> shown = when_shown(scene);
   const Checked checked =
-      add_instances(document, order, limits, tracks, shown, scene)
-          .and_then([&] { return add_lights(document, order, limits, lights, shown, scene); })
+      add_instances(document, order, limits, moving.weights, shown, scene)
+          .and_then([&] { return add_lights(document, order, limits, moving.lights, shown, scene); })
           .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
   const std::vector<std::string> repairs = document.repairs.sentences();

@@ -1,6 +1,8 @@
 #include "stereo/gltf/gltf_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 #include <numeric>
 
@@ -127,6 +129,59 @@ std::vector<glm::u8vec4> colors_from(const std::vector<glm::vec4>& colors) {
   return result;
 }
 
+/// The weights of the node, else of its mesh; as many as there are targets.
+std::vector<float> weights_of(const Document& document, const Node& node) {
+  const Mesh& mesh = at(document.meshes, node.mesh);
+  const std::vector<double>& given = node.weights.empty() ? mesh.weights : node.weights;
+  std::vector<float> weights(targets_of(mesh), 0.0f);
+  for (std::size_t i = 0; i < std::min(weights.size(), given.size()); ++i)
+    weights[i] = static_cast<float>(glm::clamp(given[i], -kMostWeight, kMostWeight));
+  return weights;
+}
+
+std::vector<Joint> joints_of(const Document& document, const Skin& skin, const std::vector<Index>& scene_node,
+                             std::uint32_t still) {
+  std::vector<glm::mat4> inverse_bind(skin.joints.size(), glm::mat4(1.0f));
+  if (const Index accessor = index_of(skin.inverseBindMatrices))
+    inverse_bind = read_matrices(document, *accessor);
+  std::vector<Joint> joints;
+  for (std::size_t i = 0; i < skin.joints.size(); ++i) {
+    const Index node = at(scene_node, skin.joints[i]);
+    joints.push_back(node ? Joint{*node, glm::dmat4(inverse_bind[i])} : Joint{still});
+  }
+  return joints;
+}
+
+/// Weights are divided by their sum, in which negative ones do not count.
+std::vector<Deformable::Influence> influences_of(const Document& document, const Primitive& primitive) {
+  const Index joints_at = attribute(primitive, "JOINTS_0"), weights_at = attribute(primitive, "WEIGHTS_0");
+  if (!joints_at || !weights_at) return {};
+  const std::vector<glm::vec4> joints = read_vectors<4>(document, *joints_at),
+                               weights = read_vectors<4>(document, *weights_at);
+  std::vector<Deformable::Influence> result(joints.size());
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    const glm::vec4 w = glm::max(weights[v], glm::vec4(0.0f));
+    const float sum = w.x + w.y + w.z + w.w;
+    result[v] = {glm::u16vec4(joints[v]), sum > 0 ? w / sum : glm::vec4(1, 0, 0, 0)};
+  }
+  return result;
+}
+
+std::vector<glm::vec3> differences(const Document& document, Index accessor) {
+  return accessor ? read_vectors<3>(document, *accessor) : std::vector<glm::vec3>();
+}
+
+Deformable deformable_of(const Document& document, const Primitive& primitive, bool skinned) {
+  Deformable result{.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"))};
+  if (const Index normal = attribute(primitive, "NORMAL"))
+    result.normals = read_vectors<3>(document, *normal);
+  for (const auto& target : primitive.targets)
+    result.targets.push_back({differences(document, attribute(target, "POSITION")),
+                              differences(document, attribute(target, "NORMAL"))});
+  if (skinned) result.influences = influences_of(document, primitive);
+  return result;
+}
+
 /// All but the vertices and normals that are read already.
 void complete(const Document& document, const Primitive& primitive, farshade::Mesh& mesh) {
   if (const auto texture = texture_of(document, primitive))
@@ -163,6 +218,30 @@ farshade::Mesh deformable_mesh_from(const Document& document, const Primitive& p
   complete(document, primitive, mesh);
   if (!mesh.deformable->normals.empty()) mesh.deformable->normals = mesh.normals;
   return mesh;
+}
+
+bool deforms(const Document& document, std::uint32_t number, const WeightTracks& tracks) {
+  const Node& node = document.nodes[number];
+  if (node.skin >= 0) return true;
+  const std::vector<float> weights = weights_of(document, node);
+  const bool is_deformed = std::ranges::any_of(weights, [](float weight) { return weight != 0; });
+  return is_deformed || (tracks.contains(static_cast<int>(number)) && !weights.empty());
+}
+
+Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Index>& scene_node,
+           std::uint32_t still, const WeightTracks& tracks) {
+  const Node& node = document.nodes[number];
+  Rig rig{.joints = {}, .weights = weights_of(document, node)};
+  if (node.skin >= 0) rig.joints = joints_of(document, at(document.skins, node.skin), scene_node, still);
+  const auto found = tracks.find(static_cast<int>(number));
+  const std::size_t width = rig.weights.size();
+  if (found == tracks.end() || width == 0) return rig;
+  const WeightTrack& track = found->second;
+  if (is_constant(track, width))
+    std::ranges::copy(std::span(track.values).subspan(first_value(track, width), width), rig.weights.begin());
+  else
+    rig.track = track;
+  return rig;
 }
 
 }  // namespace farshade::gltf

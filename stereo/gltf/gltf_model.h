@@ -46,16 +46,9 @@ using Index = std::optional<std::uint32_t>;
   return index < 0 ? Index{} : Index{static_cast<std::uint32_t>(index)};
 }
 
-/// What a pointer to a light means, such as "/extensions/KHR_lights_punctual/lights/0/intensity".
-struct LightChannel {
-  std::uint32_t sampler = 0, light = 0;
-  std::string property;  ///< such as "color" or "spot/outerConeAngle"
-};
-
 /// The file, and what the loader finds beside it. Nobody reads the names of buffers, buffer views and
 /// accessors in the file: here they say why one cannot be used, and are empty if it can.
 struct Document : tinygltf::Model {
-  std::vector<std::vector<LightChannel>> light_channels;  ///< of each animation
   std::vector<std::optional<Error>> unreadable;  ///< for each image: why its external file could not be read
   Index chosen_camera;                           ///< node (choose_camera); none: the reference camera
   std::vector<std::string> clips;                ///< all animations of the file, also those that do not play
@@ -238,6 +231,12 @@ template <class Vector>
 }
 /// The path of a channel that animates it.
 inline constexpr std::string_view kVisiblePath = "extensions/KHR_node_visibility/visible";
+
+/// Whether a channel animates a light: its path is "color" or "spot/outerConeAngle", its node the number of
+/// the light. resolve_pointers keeps the extensions of no other channel.
+[[nodiscard]] inline bool moves_light(const AnimationChannel& channel) {
+  return !channel.target_extensions.empty();
+}
 
 /// The image of a texture: that of EXT_texture_webp, else the one that every program can read.
 [[nodiscard]] inline Index image_of(const tinygltf::Texture& texture) {

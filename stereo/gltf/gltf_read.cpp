@@ -15,7 +15,7 @@
 
 #include "stereo/gltf/gltf_extensions.h"
 #include "stereo/gltf/gltf_members.h"
-#include "stereo/gltf/gltf_pointers.h"
+#include "stereo/gltf/gltf_validate.h"
 
 namespace farshade::gltf {
 namespace {

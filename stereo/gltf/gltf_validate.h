@@ -19,6 +19,11 @@ namespace farshade::gltf {
 /// elements (element_budget). The name of an accessor that cannot be read says why.
 void validate_accessors(Document& document);
 
+/// KHR_animation_pointer. Replaces the channels whose path is "pointer" by channels of the nodes and lights
+/// to which they point (moves_light). All others are removed with a warning, and channels without a node
+/// without one, as the specification asks.
+void resolve_pointers(Document& document);
+
 // The parts of validate(), in order: each part relies on the parts before it.
 
 void validate_lights(Document& document);

@@ -1,9 +1,10 @@
 /// Validation of animations: the keys of a sampler increase and its values fit the animated property.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <utility>
+#include <tuple>
 
 #include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_validate.h"
@@ -12,6 +13,68 @@ namespace farshade::gltf {
 namespace {
 
 constexpr float kMaxTime_s = 1e6f, kMostCone_rad = std::numbers::pi_v<float> / 2 + 1e-6f;
+
+bool is_any(const glm::vec4&) {
+  return true;
+}
+bool is_unit(const glm::vec4& value) {
+  return std::abs(glm::length(value) - 1.0f) <= 0.05f;
+}
+bool is_not_negative(const glm::vec4& value) {
+  return std::min({value.x, value.y, value.z}) >= 0;
+}
+
+/// A property that animations may change: of the nodes or of the lights.
+struct Property {
+  std::string_view name, list;
+  Elements elements;                 ///< of its values
+  bool (*may_be)(const glm::vec4&);  ///< a value, after which components that it does not have are 1
+};
+constexpr std::string_view kNodes = "/nodes/", kLights = "/extensions/KHR_lights_punctual/lights/";
+/// KHR_animation_pointer asks for unsigned bytes where a property is a boolean; other scalars are read as
+/// bytes are.
+constexpr Property kProperties[] = {
+    {"translation", kNodes, {kFloats, 3}, is_any},
+    {"rotation", kNodes, {kFloatsOrNormalized, 4}, is_unit},
+    {"scale", kNodes, {kFloats, 3}, is_any},
+    {"weights", kNodes, {kFloatsOrNormalized, 1}, is_any},
+    {kVisiblePath, kNodes, {kFloatsOrShort, 1}, is_any},
+    {"color", kLights, {kFloatsOrNormalized, 3}, is_not_negative},
+    {"intensity", kLights, {kFloatsOrNormalized, 1}, is_not_negative},
+    {"range", kLights, {kFloatsOrNormalized, 1}, [](const glm::vec4& value) { return value.x > 0; }},
+    {"spot/innerConeAngle",
+     kLights,
+     {kFloatsOrNormalized, 1},
+     [](const glm::vec4& value) { return value.x >= 0 && value.x < kMostCone_rad; }},
+    {"spot/outerConeAngle",
+     kLights,
+     {kFloatsOrNormalized, 1},
+     [](const glm::vec4& value) { return value.x > 0 && value.x <= kMostCone_rad; }},
+};
+
+/// The property `name` of the elements of `list`; null if there is none.
+const Property* property_of(std::string_view list, std::string_view name) {
+  const auto* found = std::ranges::find_if(
+      kProperties, [&](const Property& one) { return one.list == list && one.name == name; });
+  return found == std::end(kProperties) ? nullptr : found;
+}
+
+/// Whether `pointer` names a property of an element of `list`, such as "/nodes/3/scale". `channel` becomes
+/// one of that property then.
+bool resolve(std::string_view pointer, std::string_view list, AnimationChannel& channel) {
+  if (!pointer.starts_with(list)) return false;
+  pointer.remove_prefix(list.size());
+  const auto slash = pointer.find('/');
+  if (slash == pointer.npos) return false;
+  const Property* const property = property_of(list, pointer.substr(slash + 1));
+  const char* const end = pointer.data() + slash;
+  std::uint32_t index = 0;
+  const auto read = std::from_chars(pointer.data(), end, index);
+  if (read.ec != std::errc{} || read.ptr != end || !property) return false;
+  channel.target_node = static_cast<int>(std::min(index, kMaxIndex));
+  channel.target_path = property->name;
+  return true;
+}
 
 /// The values of a sampler for each key: a cubic spline also has two tangents.
 std::size_t parts_of(const AnimationSampler& sampler) {
@@ -31,49 +94,25 @@ Checked check_keys(const Document& document, const std::string& name, int index)
   return {};
 }
 
-/// Whether an animated property may have this value.
-bool may_be(const std::string& property, const glm::vec4& value) {
-  if (property == "rotation") return std::abs(glm::length(value) - 1.0f) <= 0.05f;
-  if (property == "color") return std::min({value.x, value.y, value.z}) >= 0;
-  if (property == "range") return value.x > 0;
-  if (property == "spot/innerConeAngle") return value.x >= 0 && value.x < kMostCone_rad;
-  if (property == "spot/outerConeAngle") return value.x > 0 && value.x <= kMostCone_rad;
-  return property != "intensity" || value.x >= 0;
-}
-
-/// Checks the values of a sampler for `property`: there are `values_a_key` for each key (three times as many
-/// for cubic splines), which are floats or normalised integers. KHR_animation_pointer asks for unsigned bytes
-/// and STEP where a property is a boolean; other scalars are read as bytes are, other interpolations as STEP.
+/// Checks the values of a sampler for a property: there are `values_a_key` for each key (three times as many
+/// for cubic splines). The interpolation of a boolean is read as STEP.
 Checked check_output(const Document& document, const std::string& name, const AnimationSampler& sampler,
-                     const std::string& property, std::uint64_t values_a_key = 1) {
-  const bool is_vector = property == "translation" || property == "scale", is_flag = property == kVisiblePath;
-  const std::uint32_t rows = property == "rotation" ? 4 : is_vector || property == "color" ? 3 : 1;
-  const Numbers numbers = is_vector ? kFloats : is_flag ? kFloatsOrShort : kFloatsOrNormalized;
-  const auto found = accessor_of(document, name + ": value", sampler.output, {numbers, rows},
-                                 "has a type that " + property + " cannot have");
+                     const Property& property, std::uint64_t values_a_key) {
+  const std::string what(property.name), subject = name + ": value " + label("accessor", sampler.output);
+  const auto found = accessor_of(document, name + ": value", sampler.output, property.elements,
+                                 "has a type that " + what + " cannot have");
   if (!found) return tl::unexpected(found.error());
-  const Accessor& accessor = **found;
-  const std::string subject = name + ": value " + label("accessor", sampler.output);
-  const std::size_t parts = is_flag ? 1 : parts_of(sampler);
+  const std::size_t parts = what == kVisiblePath ? 1 : parts_of(sampler);
   const std::uint64_t wanted = at(document.accessors, sampler.input).count * parts * values_a_key;
-  if (accessor.count != wanted)
-    return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
+  if ((*found)->count != wanted)
+    return malformed(subject + " has " + std::to_string((*found)->count) + " elements, should have " +
                      std::to_string(wanted));
   const auto values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));
   for (std::size_t i = parts / 2; i < values.size(); i += parts)  // without tangents
-    if (!may_be(property, values[i]))
-      return malformed(subject + ": element " + std::to_string(i) + " is a value that " + property +
+    if (!property.may_be(values[i]))
+      return malformed(subject + ": element " + std::to_string(i) + " is a value that " + what +
                        " cannot have");
   return {};
-}
-
-/// The weights of morph targets: numbers, as many a key as the node's mesh has targets.
-Checked check_weights(const Document& document, const std::string& name, const AnimationSampler& sampler,
-                      const Node& node) {
-  const std::uint64_t targets = node.mesh < 0 ? 0 : targets_of(at(document.meshes, node.mesh));
-  if (targets == 0)  // nothing of it is read
-    return accessor_at(document, name + ": value", sampler.output).map([](const Accessor*) {});
-  return check_output(document, name, sampler, "weights", targets);
 }
 
 Checked check_sampler(const Document& document, const std::string& name, const Animation& animation,
@@ -87,90 +126,98 @@ Checked check_sampler(const Document& document, const std::string& name, const A
   return check_keys(document, name, sampler.input);
 }
 
-Checked check_channel(const Document& document, const std::string& name, const Animation& animation,
-                      const LightChannel& channel) {
-  if (channel.light >= document.lights.size())
-    return malformed(name + ": there is no " + label("light", channel.light));
-  const Light& light = document.lights[channel.light];
-  if (channel.property.starts_with("spot/") && light.type != "spot")
-    return malformed(name + ": " + label("light", channel.light, light.name) +
+/// Checks that the target of a channel is there and has the property; `property` may be null.
+Checked check_target(const Document& document, const std::string& name, const AnimationChannel& channel,
+                     const Property* property) {
+  const int index = channel.target_node;
+  const std::string& path = channel.target_path;
+  if (moves_light(channel)) {
+    if (!points_into(document.lights, index))
+      return malformed(name + ": there is no " + label("light", index));
+    const Light& light = at(document.lights, index);
+    if (!path.starts_with("spot/") || light.type == "spot") return {};
+    return malformed(name + ": " + label("light", index, light.name) +
                      " is no spot light, so it has no cone");
-  return check_sampler(document, name, animation, static_cast<int>(channel.sampler)).and_then([&] {
-    return check_output(document, name, animation.samplers[channel.sampler], channel.property);
-  });
+  }
+  if (!points_into(document.nodes, index)) return malformed(name + ": there is no " + label("node", index));
+  if (!property) return malformed(name + ": unknown path '" + printable(path) + "'");
+  const Node& node = at(document.nodes, index);
+  if (node.matrix.empty() || path == "weights" || path == kVisiblePath) return {};
+  return malformed(name + ": " + label("node", index, node.name) + " has a matrix and cannot be animated");
 }
 
 Checked check_channel(const Document& document, const std::string& name, const Animation& animation,
                       const AnimationChannel& channel) {
-  const std::string& path = channel.target_path;
-  if (!points_into(document.nodes, channel.target_node))
-    return malformed(name + ": there is no " + label("node", channel.target_node));
-  if (path != "translation" && path != "rotation" && path != "scale" && path != "weights" &&
-      path != kVisiblePath)
-    return malformed(name + ": unknown path '" + printable(path) + "'");
-  const Node& node = at(document.nodes, channel.target_node);
-  if (!node.matrix.empty() && path != "weights" && path != kVisiblePath)
-    return malformed(name + ": " + label("node", channel.target_node, node.name) +
-                     " has a matrix and cannot be animated");
-  return check_sampler(document, name, animation, channel.sampler).and_then([&] {
-    const AnimationSampler& sampler = at(animation.samplers, channel.sampler);
-    return path == "weights" ? check_weights(document, name, sampler, node)
-                             : check_output(document, name, sampler, path);
-  });
-}
-
-std::pair<std::uint32_t, std::string> target_of(const AnimationChannel& channel) {
-  return {static_cast<std::uint32_t>(channel.target_node), channel.target_path};
-}
-std::pair<std::uint32_t, std::string> target_of(const LightChannel& channel) {
-  return {channel.light, channel.property};
+  const Property* const property = property_of(moves_light(channel) ? kLights : kNodes, channel.target_path);
+  return check_target(document, name, channel, property)
+      .and_then([&] { return check_sampler(document, name, animation, channel.sampler); })
+      .and_then([&]() -> Checked {
+        const AnimationSampler& sampler = at(animation.samplers, channel.sampler);
+        if (channel.target_path != "weights") return check_output(document, name, sampler, *property, 1);
+        const int mesh = at(document.nodes, channel.target_node).mesh;
+        const std::size_t targets = mesh < 0 ? 0 : targets_of(at(document.meshes, mesh));
+        if (targets > 0) return check_output(document, name, sampler, *property, targets);
+        return accessor_at(document, name + ": value", sampler.output)  // nothing of it is read
+            .map([](const Accessor*) {});
+      });
 }
 
 /// The elements that a channel reads.
 std::uint64_t elements_read(const Document& document, const Animation& animation, int sampler) {
-  if (sampler < 0 || !points_into(animation.samplers, sampler)) return 0;
+  if (!points_into(animation.samplers, sampler)) return 0;
   std::uint64_t sum = 0;
   for (const int accessor : {at(animation.samplers, sampler).input, at(animation.samplers, sampler).output})
-    if (accessor >= 0 && points_into(document.accessors, accessor))
-      sum += at(document.accessors, accessor).count;
+    if (points_into(document.accessors, accessor)) sum += at(document.accessors, accessor).count;
   return sum;
 }
 
-/// Removes the channels, to nodes or to lights, that have faults. `left`: the elements that all channels
-/// together may still read.
-template <class Channel>
-Checked keep_channels(Document& document, const std::string& name, const Animation& animation,
-                      std::vector<Channel>& channels, std::uint64_t& left) {
-  std::set<std::pair<std::uint32_t, std::string>> targets;
-  std::vector<Channel> kept;
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    const Channel& channel = channels[c];
-    const std::string of = name + label("channel", c);
-    const std::uint64_t elements = elements_read(document, animation, static_cast<int>(channel.sampler));
-    if (elements > left)
-      return fail(Fault::OutOfRange, of + ": more keys than a file of this size should have");
-    left -= elements;
+/// Removes the channels that have faults. `left`: the elements that all channels together may still read.
+Checked keep_channels(Document& document, const std::string& name, Animation& animation, Budget& left) {
+  std::set<std::tuple<bool, int, std::string>> targets;
+  std::vector<AnimationChannel> kept;
+  for (std::size_t c = 0; c < animation.channels.size(); ++c) {
+    const AnimationChannel& channel = animation.channels[c];
+    const std::string of = name + (moves_light(channel) ? ", light " : ", ") + label("channel", c);
+    const Checked taken = left.take(elements_read(document, animation, channel.sampler),
+                                    of + ": more keys than a file of this size should have");
+    if (!taken) return taken;
     Checked checked = check_channel(document, of, animation, channel);
-    if (checked && !targets.emplace(target_of(channel)).second)
+    if (checked && !targets.emplace(moves_light(channel), channel.target_node, channel.target_path).second)
       checked = malformed(of + ": an earlier channel moves the same property");
     if (checked)
       kept.push_back(channel);
     else
       document.repairs.add("it stands still", checked.error());
   }
-  channels = std::move(kept);
+  animation.channels = std::move(kept);
   return {};
 }
 
 }  // namespace
 
-Checked validate_animations(Document& document) {
-  std::uint64_t left = element_budget(document);
-  return check_each(document.animations, [&](std::size_t a, Animation& animation) {
-    const std::string name = label("animation", a, animation.name) + ", ";
-    return keep_channels(document, name, animation, animation.channels, left).and_then([&] {
-      return keep_channels(document, name + "light ", animation, document.light_channels[a], left);
+void resolve_pointers(Document& document) {
+  std::optional<std::string> still;  // the first pointer to what stands still
+  for (Animation& animation : document.animations)
+    std::erase_if(animation.channels, [&](AnimationChannel& channel) {
+      const std::string pointer =
+          text_member(extension(channel.target_extensions, "KHR_animation_pointer"), "pointer");
+      const bool is_pointer = channel.target_path == "pointer";
+      if (is_pointer && resolve(pointer, kLights, channel)) return false;
+      channel.target_extensions.clear();
+      if (!is_pointer) return channel.target_node < 0;
+      if (resolve(pointer, kNodes, channel)) return false;
+      if (!still) still = pointer;
+      return true;
     });
+  if (still)
+    document.warnings.push_back("KHR_animation_pointer: only nodes and lights are animated, so '" +
+                                printable(*still) + "' and the like stand still");
+}
+
+Checked validate_animations(Document& document) {
+  Budget left(element_budget(document));
+  return check_each(document.animations, [&](std::size_t a, Animation& animation) {
+    return keep_channels(document, label("animation", a, animation.name), animation, left);
   });
 }
 
