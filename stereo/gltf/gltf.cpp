@@ -1,15 +1,8 @@
 #include "stereo/gltf/gltf.h"
-
 #include <exception>
-
 #include "stereo/base/files.h"
-#include "stereo/gltf/gltf_choice.h"
-#include "stereo/gltf/gltf_compressed.h"
-#include "stereo/gltf/gltf_convert.h"
 #include "stereo/gltf/gltf_files.h"
-#include "stereo/gltf/gltf_instances.h"
-#include "stereo/gltf/gltf_read.h"
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 #include "stereo/scene/scene_hash.h"
 
 namespace farshade {

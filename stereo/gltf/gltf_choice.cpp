@@ -1,6 +1,4 @@
-#include "stereo/gltf/gltf_choice.h"
-
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {
@@ -8,20 +6,15 @@ namespace {
 constexpr std::string_view kPrefix = "camera:";
 constexpr std::size_t kMostListed = 12;
 
-/// "'day', 'night'"; "none" for an empty list.
-std::string listed(const std::vector<std::string>& names) {
-  if (names.empty()) return "none";
+/// The words for `count` things with commas between them, or for the first of them; "none" without any.
+template <class Word>
+std::string listed(std::size_t count, Word word) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMostListed); ++i)
-    text += (i ? ", '" : "'") + printable(names[i]) + "'";
-  return names.size() > kMostListed ? text + " and more" : text;
+  for (std::size_t i = 0; i < std::min(count, kMostListed); ++i) text += (i ? ", " : "") + word(i);
+  return count == 0 ? "none" : count > kMostListed ? text + " and more" : text;
 }
-
-std::string scenes_in_words(const Document& document) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(document.scenes.size(), kMostListed); ++i)
-    text += (i ? ", " : "") + label("", i, document.scenes[i].name).substr(1);
-  return document.scenes.size() > kMostListed ? text + " and more" : text;
+std::string listed(const std::vector<std::string>& names) {
+  return listed(names.size(), [&](std::size_t i) { return "'" + printable(names[i]) + "'"; });
 }
 
 std::string camera_name(const Document& document, std::uint32_t index) {
@@ -29,6 +22,21 @@ std::string camera_name(const Document& document, std::uint32_t index) {
   if (!node.name.empty()) return node.name;
   const std::string name = node.camera < 0 ? "" : at(document.cameras, node.camera).name;
   return name.empty() ? label("node", index) : name;
+}
+
+/// The nodes of the default scene, parents first, that carry a camera or whose names begin with `camera:`.
+std::vector<std::uint32_t> camera_nodes(const Document& document) {
+  std::vector<std::uint32_t> found = parents_first(document, roots_of(document));
+  std::erase_if(found, [&](std::uint32_t node) {
+    return document.nodes[node].camera < 0 && !document.nodes[node].name.starts_with(kPrefix);
+  });
+  return found;
+}
+
+std::vector<std::string> camera_names(const Document& document) {
+  std::vector<std::string> names;
+  for (const std::uint32_t node : camera_nodes(document)) names.push_back(camera_name(document, node));
+  return names;
 }
 
 bool is_called(const Document& document, std::uint32_t index, const std::string& name) {
@@ -99,40 +107,39 @@ Checked choose_animation(Document& document, const std::string& name) {
 Checked choose_scene(Document& document, const SceneChoice& choice) {
   if (choice.scene && *choice.scene >= document.scenes.size())
     return fail(Fault::Missing, "there is no scene " + std::to_string(*choice.scene) + "; the file has " +
-                                    (document.scenes.empty() ? "none" : scenes_in_words(document)));
+                                    listed(document.scenes.size(), [&](std::size_t i) {
+                                      return label("", i, document.scenes[i].name).substr(1);
+                                    }));
   if (choice.scene) document.defaultScene = static_cast<int>(*choice.scene);
   return choose_animation(document, choice.animation).and_then([&] {
     return choice.variant.empty() ? Checked{} : choose_variant(document, choice.variant);
   });
 }
 
-std::vector<std::uint32_t> camera_nodes(const Document& document) {
-  std::vector<std::uint32_t> found;
-  if (document.scenes.empty()) return found;
-  for (const std::uint32_t i : parents_first(document, roots_of(document)))
-    if (document.nodes[i].camera >= 0 || document.nodes[i].name.starts_with(kPrefix)) found.push_back(i);
-  return found;
-}
-
 Checked choose_camera(Document& document, const SceneChoice& choice) {
-  if (choice.camera.empty()) return {};
-  std::vector<std::string> names;
-  for (const std::uint32_t i : camera_nodes(document)) {
-    if (is_called(document, i, choice.camera)) {
-      document.chosen_camera = i;
-      return {};
-    }
-    names.push_back(camera_name(document, i));
-  }
-  return fail(Fault::Missing,
-              "there is no camera '" + printable(choice.camera) + "'; the scene has " + listed(names));
+  const std::vector<std::uint32_t> nodes = camera_nodes(document);
+  const bool is_free = choice.camera.empty();
+  const auto found = std::ranges::find_if(nodes, [&](std::uint32_t node) {
+    return is_free ? document.nodes[node].name.starts_with(kPrefix)
+                   : is_called(document, node, choice.camera);
+  });
+  if (found != nodes.end())
+    document.camera = *found;
+  else if (!is_free)
+    return fail(Fault::Missing, "there is no camera '" + printable(choice.camera) + "'; the scene has " +
+                                    listed(camera_names(document)));
+  else if (!nodes.empty())
+    document.camera = nodes.front();
+  return {};
 }
 
 FileContents contents_of(const Document& document) {
-  FileContents offer{
-      {}, {}, variants_of(document), document.clips, index_of(document.defaultScene).value_or(0)};
+  FileContents offer{{},
+                     camera_names(document),
+                     variants_of(document),
+                     document.clips,
+                     index_of(document.defaultScene).value_or(0)};
   for (const tinygltf::Scene& scene : document.scenes) offer.scenes.push_back(scene.name);
-  for (const std::uint32_t i : camera_nodes(document)) offer.cameras.push_back(camera_name(document, i));
   return offer;
 }
 

@@ -1,8 +1,7 @@
-#include "stereo/gltf/gltf_compressed.h"
-
 #include <meshoptimizer.h>
 
 #include "stereo/gltf/gltf_accessor.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {

@@ -1,13 +1,10 @@
-#include "stereo/gltf/gltf_convert.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "stereo/gltf/gltf_animation.h"
-#include "stereo/gltf/gltf_choice.h"
 #include "stereo/gltf/gltf_materials.h"
 #include "stereo/gltf/gltf_mesh.h"
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 #include "stereo/scene/mesh_parts.h"
 #include "stereo/scene/scene_state.h"
 #include "stereo/scene/sky.h"
@@ -17,41 +14,37 @@ namespace {
 
 constexpr double kMaxDistance_m = 1e9;
 
-/// The order of the nodes in the Scene (those of the default scene, parents first), as maps in both
-/// directions.
-struct NodeOrder {
-  std::vector<std::uint32_t> from_document;
-  std::vector<Index> to_scene;
+/// When a node of the scene is shown (KHR_node_visibility).
+enum class Shown : std::uint8_t { Never, Sometimes, Always };
+
+/// A scene in the making.
+struct Conversion {
+  Document& document;
+  const SceneLimits& limits;
+  Scene scene{};
+  std::vector<std::uint32_t> order{};  ///< for each node of the scene, its number in the document
+  std::vector<Index> scene_node{};     ///< for each node of the document, its number in the scene
+  Moving moving{};
+  std::vector<Shown> shown{};                  ///< for each node of the scene
+  std::vector<Affine<Stage, Object>> poses{};  ///< of the nodes of the scene at time 0
 };
 
-NodeOrder order_nodes(const Document& document) {
-  NodeOrder order{parents_first(document, roots_of(document)), {}};
-  order.to_scene.resize(document.nodes.size());
-  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) order.to_scene[order.from_document[i]] = i;
-  return order;
+void add_nodes(Conversion& to) {
+  to.order = parents_first(to.document, roots_of(to.document));
+  to.scene_node.resize(to.document.nodes.size());
+  for (std::uint32_t i = 0; i < to.order.size(); ++i) {
+    const Node& from = to.document.nodes[to.order[i]];
+    to.scene_node[to.order[i]] = i;
+    to.scene.nodes.push_back({from.name,
+                              {},
+                              {translation_of(from), glm::normalize(rotation_of(from)), scale_of(from),
+                               matrix_of(from), is_visible(from)}});
+  }
+  for (std::uint32_t i = 0; i < to.order.size(); ++i)
+    for (const int child : to.document.nodes[to.order[i]].children)
+      to.scene.nodes[*at(to.scene_node, child)].parent = i;
 }
 
-farshade::Node node_from(const Node& from) {
-  farshade::Node to;
-  to.name = from.name;
-  to.rest.matrix = matrix_of(from);
-  to.rest.translation = translation_of(from);
-  to.rest.scale = scale_of(from);
-  to.rest.rotation = glm::normalize(rotation_of(from));
-  to.rest.visible = is_visible(from);
-  return to;
-}
-
-void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
-  for (const std::uint32_t index : order.from_document)
-    scene.nodes.push_back(node_from(document.nodes[index]));
-  for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
-    for (const int child : document.nodes[order.from_document[i]].children)
-      scene.nodes[*at(order.to_scene, child)].parent = i;
-}
-
-/// When each node of the scene is shown (KHR_node_visibility).
-enum class Shown : std::uint8_t { Never, Sometimes, Always };
 std::vector<Shown> when_shown(const Scene& scene) {
   std::vector<Shown> shown;
   for (const farshade::Node& node : scene.nodes)
@@ -69,16 +62,15 @@ bool is_near(const Vector& point) {
 }
 
 /// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
-std::vector<std::uint32_t> add_mesh(const Mesh& from, const Document& document, MaterialConverter& materials,
-                                    Scene& scene) {
+std::vector<std::uint32_t> add_mesh(const Mesh& from, MaterialConverter& materials, Conversion& to) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
-    farshade::Mesh mesh = mesh_from(document, primitive);
+    farshade::Mesh mesh = mesh_from(to.document, primitive);
     if (mesh.triangles.empty()) continue;
     mesh.name = from.name;
     mesh.material = materials.material(index_of(primitive.material));
-    numbers.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
-    scene.meshes.push_back(std::move(mesh));
+    numbers.push_back(static_cast<std::uint32_t>(to.scene.meshes.size()));
+    to.scene.meshes.push_back(std::move(mesh));
   }
   return numbers;
 }
@@ -110,38 +102,35 @@ struct RigPlace {
   std::optional<std::uint32_t> rig;
 };
 
-RigPlace add_rig(const Rig& rig, std::uint32_t node, std::span<const Affine<Stage, Object>> poses,
-                 Scene& scene) {
-  const bool moves = rig.track || std::ranges::any_of(rig.joints, [&](const Joint& joint) {
-                       return scene.nodes[joint.node].moving;
-                     });
-  if (moves) {
+RigPlace add_rig(const Rig& rig, std::uint32_t node, Conversion& to) {
+  Scene& scene = to.scene;
+  const auto moves = [&](const Joint& joint) { return scene.nodes[joint.node].moving; };
+  if (rig.track || std::ranges::any_of(rig.joints, moves)) {
     scene.rigs.push_back(rig);
     return {rig.joints.empty() ? node : rig.joints[0].node,
             static_cast<std::uint32_t>(scene.rigs.size() - 1)};
   }
   if (rig.joints.empty()) return {node, {}};
-  scene.nodes.push_back({"skinned mesh", {}, {.matrix = stage_from_skin(rig, poses).matrix}});
+  scene.nodes.push_back({"skinned mesh", {}, {.matrix = stage_from_skin(rig, to.poses).matrix}});
   return {static_cast<std::uint32_t>(scene.nodes.size() - 1), {}};
 }
 
 /// Adds the meshes that one rig deforms. If nothing of the rig ever moves, they are like any other mesh.
-void add_deformed(Document& document, const Node& from, std::uint32_t node, const Rig& rig,
-                  std::span<const Affine<Stage, Object>> poses, MaterialConverter& materials, Scene& scene) {
-  const RigPose pose = pose_of(scene, rig, poses, Time{});
-  const RigPlace place = add_rig(rig, node, poses, scene);
-  const Mesh& mesh = at(document.meshes, from.mesh);
+void add_deformed(const Mesh& mesh, std::uint32_t node, const Rig& rig, MaterialConverter& materials,
+                  Conversion& to) {
+  const RigPose pose = pose_of(to.scene, rig, to.poses, Time{});
+  const RigPlace place = add_rig(rig, node, to);
   for (const Primitive& primitive : mesh.primitives) {
-    auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
-    if (!deformed) document.repairs.add(kNotDrawn, deformed.error());
-    if (!deformed) continue;
-    if (place.rig) {
+    auto deformed = deformed_mesh(to.document, primitive, pose, mesh.name, materials);
+    if (!deformed) {
+      to.document.repairs.add(kNotDrawn, deformed.error());
+    } else if (place.rig) {
       for (farshade::Mesh& part : parts_of(std::move(*deformed)))
-        add_instance(std::move(part), place.node, place.rig, scene);
+        add_instance(std::move(part), place.node, place.rig, to.scene);
     } else {
       deformed->deformable.reset();
       remove_without_area(*deformed);
-      add_instance(std::move(*deformed), place.node, {}, scene);
+      add_instance(std::move(*deformed), place.node, {}, to.scene);
     }
   }
 }
@@ -167,53 +156,53 @@ std::vector<bool> hidden_nodes(Scene& scene) {
 }
 
 /// Meshes that a rig deforms are converted for each node alone.
-Checked add_instances(Document& document, const NodeOrder& order, const SceneLimits& limits,
-                      const WeightTracks& tracks, const std::vector<Shown>& shown, Scene& scene) {
-  MaterialConverter materials(document, limits, scene);
+Checked add_instances(Conversion& to) {
+  Document& document = to.document;
+  Scene& scene = to.scene;
+  MaterialConverter materials(document, to.limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
   const auto still = static_cast<std::uint32_t>(scene.nodes.size());
   if (!document.skins.empty()) scene.nodes.emplace_back().name = "joints that are not in the scene";
   const std::vector<bool> hidden = hidden_nodes(scene);
-  const auto poses = stage_from_nodes(scene, Time{});
-  for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
-    const std::uint32_t number = order.from_document[node];
+  to.poses = stage_from_nodes(scene, Time{});
+  for (std::uint32_t node = 0; node < to.order.size(); ++node) {
+    const std::uint32_t number = to.order[node];
     const Node& from = document.nodes[number];
-    if (from.mesh < 0 || shown[node] == Shown::Never || (hidden[node] && from.skin < 0)) continue;
-    const std::optional<std::uint32_t> shown_with =
-        shown[node] == Shown::Sometimes ? std::optional(node) : std::nullopt;
-    if (deforms(document, number, tracks)) {
-      const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
-      const std::size_t first = scene.instances.size();
-      add_deformed(document, from, node, rig, poses, materials, scene);
-      for (std::size_t i = first; i < scene.instances.size(); ++i) scene.instances[i].shown_with = shown_with;
-      continue;
+    if (from.mesh < 0 || to.shown[node] == Shown::Never || (hidden[node] && from.skin < 0)) continue;
+    const Mesh& mesh = at(document.meshes, from.mesh);
+    const std::size_t first = scene.instances.size();
+    if (deforms(document, number, to.moving.weights)) {
+      const Rig rig = rig_of(document, number, to.scene_node, still, to.moving.weights);
+      add_deformed(mesh, node, rig, materials, to);
+    } else {
+      auto& shared = at(converted, from.mesh);
+      if (!shared) shared = add_mesh(mesh, materials, to);
+      for (const std::uint32_t index : *shared) {
+        scene.instances.push_back({.mesh = index, .node = node});
+        scene.triangle_count += scene.meshes[index].triangles.size();
+      }
     }
-    auto& shared = at(converted, from.mesh);
-    if (!shared) shared = add_mesh(at(document.meshes, from.mesh), document, materials, scene);
-    for (const std::uint32_t mesh : *shared) {
-      scene.instances.push_back({.mesh = mesh, .node = node, .shown_with = shown_with});
-      scene.triangle_count += scene.meshes[mesh].triangles.size();
-    }
+    if (to.shown[node] == Shown::Sometimes)
+      for (std::size_t i = first; i < scene.instances.size(); ++i) scene.instances[i].shown_with = node;
   }
   if (scene.instances.empty()) return document.repairs.nothing_to_draw("the scene has no triangles");
   return {};
 }
 
 /// Sorts the lights by their index in the file, then by the node that carries them.
-Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                   const std::vector<AnimatedLight>& lights, const std::vector<Shown>& shown, Scene& scene) {
+Checked add_lights(Conversion& to) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
-  for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
-    if (const Index light = light_of(document.nodes[order.from_document[i]]);
-        light && shown[i] != Shown::Never)
-      uses.emplace_back(*light, order.from_document[i]);
-  if (uses.size() > limits.lights)
+  for (std::uint32_t i = 0; i < to.order.size(); ++i)
+    if (const Index light = light_of(to.document.nodes[to.order[i]]); light && to.shown[i] != Shown::Never)
+      uses.emplace_back(*light, to.order[i]);
+  if (uses.size() > to.limits.lights)
     return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
-                                       std::to_string(limits.lights) + " can be told apart");
-  std::sort(uses.begin(), uses.end());
-  for (const auto& [light, node] : uses) {
-    scene.lights.push_back(light_from(lights[light], *order.to_scene[node]));
-    scene.lights.back().hides = shown[*order.to_scene[node]] == Shown::Sometimes;
+                                       std::to_string(to.limits.lights) + " can be told apart");
+  std::ranges::sort(uses);
+  for (const auto& [light, number] : uses) {
+    const std::uint32_t node = *to.scene_node[number];
+    to.scene.lights.push_back(light_from(to.moving.lights[light], node));
+    to.scene.lights.back().hides = to.shown[node] == Shown::Sometimes;
   }
   return {};
 }
@@ -225,19 +214,6 @@ Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
   const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(pose.matrix[1]), back));
   const glm::dmat3 axes(right, glm::cross(back, right), back);
   return {glm::normalize(glm::quat_cast(axes)), glm::dvec3(pose.matrix[3])};
-}
-
-/// The chosen camera, otherwise the first node whose name starts with `camera:`, otherwise the first with a
-/// camera.
-Index camera_node(const Document& document, const NodeOrder& order) {
-  if (document.chosen_camera) return order.to_scene[*document.chosen_camera];
-  Index found;
-  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
-    const Node& node = document.nodes[order.from_document[i]];
-    if (node.name.rfind("camera:", 0) == 0) return i;
-    if (!found && node.camera >= 0) found = i;
-  }
-  return found;
 }
 
 /// Removes lights and the camera if they are too far away, or below scales whose product is too small for a
@@ -256,10 +232,10 @@ void remove_lost(std::span<const Affine<Stage, Object>> poses, Repairs& repairs,
   scene.camera.reset();
 }
 
-Checked add_places(Document& document, const NodeOrder& order, Scene& scene) {
-  const auto poses = stage_from_nodes(scene, Time{});
-  if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
-  remove_lost(poses, document.repairs, scene);
+Checked add_places(Conversion& to) {
+  Scene& scene = to.scene;
+  if (to.document.camera) scene.camera = rigid_part(to.poses[*to.scene_node[*to.document.camera]]);
+  remove_lost(to.poses, to.document.repairs, scene);
   const auto places = places_at_start(scene);
   scene.bounds = kNoPoint;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
@@ -273,23 +249,21 @@ Checked add_places(Document& document, const NodeOrder& order, Scene& scene) {
 }  // namespace
 
 Expected<Scene> convert(Document& document, const SceneLimits& limits) {
-  const NodeOrder order = order_nodes(document);
-  Scene scene;
+  Conversion to{document, limits};
+  Scene& scene = to.scene;
   scene.warnings = document.warnings;
   scene.contents = contents_of(document);
-  add_nodes(document, order, scene);
-  const Moving moving = add_animations(document, order.to_scene, scene);
-  const std::vector<Shown> shown = when_shown(scene);
+  add_nodes(to);
+  to.moving = add_animations(document, to.scene_node, scene);
+  to.shown = when_shown(scene);
   const Checked checked =
-      add_instances(document, order, limits, moving.weights, shown, scene)
-          .and_then([&] { return add_lights(document, order, limits, moving.lights, shown, scene); })
-          .and_then([&] { return add_places(document, order, scene); });
+      add_instances(to).and_then([&] { return add_lights(to); }).and_then([&] { return add_places(to); });
   if (!checked) return tl::unexpected(checked.error());
   const std::vector<std::string> repairs = document.repairs.sentences();
   scene.warnings.insert(scene.warnings.end(), repairs.begin(), repairs.end());
   remove_needless_alpha_tests(scene);
   find_sky(scene);
-  return scene;
+  return std::move(to.scene);
 }
 
 }  // namespace farshade::gltf

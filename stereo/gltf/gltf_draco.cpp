@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "stereo/gltf/gltf_accessor.h"
-#include "stereo/gltf/gltf_compressed.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {

@@ -1,8 +1,7 @@
-#include "stereo/gltf/gltf_instances.h"
-
 #include <map>
 
 #include "stereo/gltf/gltf_accessor.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {

@@ -1,6 +1,7 @@
 /// The content of a glTF file as tinygltf stores it (Document), and short words for what the loader asks of
 /// it. gltf_read.cpp fills a Document; the members of the file have the right types then, but indices and
-/// ranges may still be wrong. gltf_validate.cpp mends them before the Document is converted to a Scene.
+/// ranges may still be wrong. The stages (gltf_stages.h) mend them before the Document is converted to a
+/// Scene.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -50,7 +51,7 @@ using Index = std::optional<std::uint32_t>;
 /// accessors in the file: here they say why one cannot be used, and are empty if it can.
 struct Document : tinygltf::Model {
   std::vector<std::optional<Error>> unreadable;  ///< for each image: why its external file could not be read
-  Index chosen_camera;                           ///< node (choose_camera); none: the reference camera
+  Index camera;                                  ///< node (choose_camera)
   std::vector<std::string> clips;                ///< all animations of the file, also those that do not play
   std::vector<std::string> warnings;             ///< what is not drawn as the file says, one sentence each
   Repairs repairs;                               ///< faults of the file, and what is drawn instead

@@ -3,7 +3,7 @@
 /// strides that are no multiple of 4, channels without a node (KHR_animation_pointer). It also forms the
 /// address of an image in a buffer before anyone could check it. So it reads a text without buffers and
 /// images, which are read here, and what else tinygltf would refuse is put back afterwards.
-#include "stereo/gltf/gltf_read.h"
+#include "stereo/gltf/gltf_stages.h"
 
 #include <fstream>  // tinygltf's writers need it and do not include it with TINYGLTF_NO_FS
 
@@ -15,7 +15,6 @@
 
 #include "stereo/gltf/gltf_extensions.h"
 #include "stereo/gltf/gltf_members.h"
-#include "stereo/gltf/gltf_validate.h"
 
 namespace farshade::gltf {
 namespace {

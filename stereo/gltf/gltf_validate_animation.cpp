@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "stereo/gltf/gltf_accessor.h"
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {

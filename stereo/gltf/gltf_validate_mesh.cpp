@@ -5,7 +5,7 @@
 
 #include "stereo/gltf/gltf_accessor.h"
 #include "stereo/gltf/gltf_materials.h"
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {

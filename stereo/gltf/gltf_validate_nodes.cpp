@@ -3,7 +3,7 @@
 #include <glm/gtc/matrix_access.hpp>
 
 #include "stereo/gltf/gltf_accessor.h"
-#include "stereo/gltf/gltf_validate.h"
+#include "stereo/gltf/gltf_stages.h"
 
 namespace farshade::gltf {
 namespace {
