@@ -16,7 +16,14 @@ gltf::Checked prepare(gltf::Document& document, const SceneLimits& limits, const
         return gltf::expand_instances(document);
       })
       .and_then([&] { return gltf::choose_scene(document, choice); })
-      .and_then([&] { return gltf::validate(document, limits); })
+      .and_then([&] {
+        gltf::validate_lights(document);
+        return gltf::validate_meshes(document);
+      })
+      .and_then([&] { return gltf::validate_nodes(document, limits); })
+      .and_then([&] { return gltf::validate_deformations(document); })
+      .and_then([&] { return gltf::validate_animations(document); })
+      .and_then([&] { return gltf::validate_reach(document); })
       .and_then([&] { return gltf::choose_camera(document, choice); });
 }
 

@@ -39,20 +39,14 @@ auto with_type(Component component, Use use) {
                                                     int index);
 
 /// Kinds of numbers, as bits. Integers have 8 or 16 bits unless the name says 32.
-enum Numbers : unsigned {
-  kFloats = 1,
-  kSigned = 2,
-  kUnsigned = 4,
-  kNormalizedSigned = 8,
-  kNormalizedUnsigned = 16,
-  kUnsigned32 = 32,
-  kFloatsOrNormalized = kFloats | kNormalizedSigned | kNormalizedUnsigned,
-  kFloatsOrShort = kFloatsOrNormalized | kSigned | kUnsigned,
-};
+inline constexpr unsigned kFloats = 1, kSigned = 2, kUnsigned = 4, kUnsigned32 = 8, kNormalizedSigned = 16,
+                          kNormalizedUnsigned = 32,
+                          kFloatsOrNormalized = kFloats | kNormalizedSigned | kNormalizedUnsigned,
+                          kFloatsOrShort = kFloatsOrNormalized | kSigned | kUnsigned;
 
 /// The elements that a reader can read.
 struct Elements {
-  unsigned numbers;  ///< bits of Numbers
+  unsigned numbers;  ///< one or more kinds
   std::uint32_t least_rows, most_rows = least_rows, columns = 1;
 };
 
@@ -66,13 +60,10 @@ struct Elements {
                                                      std::uint32_t index, const Elements& elements,
                                                      std::optional<std::uint64_t> count, const char* what);
 
-/// Whether all elements are finite. `name` is that of the accessor.
-[[nodiscard]] Checked check_finite(const Document& document, const std::string& name,
-                                   const Accessor& accessor);
-
-/// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
+/// Elements with N components, as floats; none without an accessor. Missing components (alpha of an RGB
+/// colour) are 1.
 template <int N>
-[[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t accessor);
+[[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const Document& document, Index accessor);
 
 /// Matrices of 4x4 floats.
 [[nodiscard]] std::vector<glm::mat4> read_matrices(const Document& document, std::uint32_t accessor);
@@ -82,8 +73,5 @@ template <int N>
 
 /// Unsigned scalars (vertex indices).
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t accessor);
-
-/// The indices of the elements that a sparse accessor replaces. Empty for any other.
-[[nodiscard]] std::vector<std::uint32_t> sparse_indices(const Document& document, const Accessor& accessor);
 
 }  // namespace farshade::gltf

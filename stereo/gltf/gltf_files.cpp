@@ -96,18 +96,16 @@ std::string percent_decoded(std::string_view text) {
   return result;
 }
 
-bool is_same_word(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return std::ranges::equal(a, b, {}, lower, lower);
-}
-bool ends_with_word(std::string_view text, std::string_view word) {
-  return text.size() >= word.size() && is_same_word(text.substr(text.size() - word.size()), word);
+std::string in_lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  return result;
 }
 
 /// The bytes of "data:[media type];base64,DATA". The padding of DATA may be missing.
 Expected<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
   const std::size_t comma = uri.find(',');
-  if (comma == uri.npos || !ends_with_word(uri.substr(0, comma), ";base64"))
+  if (comma == uri.npos || !in_lower_case(uri.substr(0, comma)).ends_with(";base64"))
     return malformed("a data URI is not base64");
   std::string_view text = uri.substr(comma + 1);
   const std::string decoded = text.find('%') == text.npos ? "" : percent_decoded(text);
@@ -126,7 +124,7 @@ Expected<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
 }  // namespace
 
 bool is_data_uri(std::string_view uri) {
-  return is_same_word(uri.substr(0, 5), "data:");
+  return in_lower_case(uri.substr(0, 5)) == "data:";
 }
 
 Expected<std::vector<std::uint8_t>> SceneFolder::load(const std::string& uri) {

@@ -6,27 +6,14 @@
 namespace farshade::gltf {
 namespace {
 
-/// EXT_mesh_gpu_instancing of a node: accessors with one value per instance.
-struct Instancing {
-  Index translation, rotation, scale;
-};
-
-std::optional<Instancing> instancing_of(const Node& node) {
-  const auto* from = extension(node.extensions, "EXT_mesh_gpu_instancing");
-  if (!from) return std::nullopt;
-  const auto* attributes = member(from, "attributes");
-  return Instancing{index_member(attributes, "TRANSLATION"), index_member(attributes, "ROTATION"),
-                    index_member(attributes, "SCALE")};
-}
-
-/// The number of instances.
+/// The number of instances: each attribute has one value for each of them.
 Expected<std::uint64_t> check_instances(const Document& document, const std::string& name,
-                                        const Instancing& from) {
+                                        const tinygltf::Value& attributes) {
   std::optional<std::uint64_t> count;
-  const std::pair<Index, Elements> attributes[] = {{from.translation, {kFloats, 3}},
-                                                   {from.rotation, {kFloats | kNormalizedSigned, 4}},
-                                                   {from.scale, {kFloats, 3}}};
-  for (const auto& [index, elements] : attributes) {
+  constexpr std::pair<const char*, Elements> kAttributes[] = {
+      {"TRANSLATION", {kFloats, 3}}, {"ROTATION", {kFloats | kNormalizedSigned, 4}}, {"SCALE", {kFloats, 3}}};
+  for (const auto& [semantic, elements] : kAttributes) {
+    const Index index = index_member(&attributes, semantic);
     if (!index) continue;
     const auto found = attribute_of(document, name + ": instance", *index, elements, count, "instances");
     if (!found) return tl::unexpected(found.error());
@@ -43,13 +30,11 @@ std::vector<double> rotation_from(const glm::vec4& v) {
 }
 
 /// One child of `parent` for each instance.
-std::vector<Node> instances_of(const Document& document, const Node& parent, const Instancing& from,
-                               std::uint64_t count) {
-  std::vector<glm::vec3> places, sizes;
-  std::vector<glm::vec4> turns;
-  if (from.translation) places = read_vectors<3>(document, *from.translation);
-  if (from.rotation) turns = read_vectors<4>(document, *from.rotation);
-  if (from.scale) sizes = read_vectors<3>(document, *from.scale);
+std::vector<Node> instances_of(const Document& document, const Node& parent,
+                               const tinygltf::Value& attributes, std::uint64_t count) {
+  const auto places = read_vectors<3>(document, index_member(&attributes, "TRANSLATION")),
+             sizes = read_vectors<3>(document, index_member(&attributes, "SCALE"));
+  const auto turns = read_vectors<4>(document, index_member(&attributes, "ROTATION"));
   std::vector<Node> made;
   for (std::size_t i = 0; i < count; ++i) {
     if (!sizes.empty() && (sizes[i].x == 0) + (sizes[i].y == 0) + (sizes[i].z == 0) >= 2) continue;
@@ -97,10 +82,10 @@ Checked expand_instances(Document& document) {
   const WeightChannels channels = weight_channels(document);
   for (std::size_t i = 0; i < nodes; ++i) {
     const Node& node = document.nodes[i];
-    const auto instancing = instancing_of(node);
-    if (!instancing || node.mesh < 0 || node.skin >= 0) continue;  // a skin has the place of its joints
+    const auto* attributes = member(extension(node.extensions, "EXT_mesh_gpu_instancing"), "attributes");
+    if (!attributes || node.mesh < 0 || node.skin >= 0) continue;  // a skin has the place of its joints
     const std::string name = label("node", i, node.name);
-    const auto count = check_instances(document, name, *instancing);
+    const auto count = check_instances(document, name, *attributes);
     if (!count) document.repairs.add("its mesh is drawn once", count.error());
     if (!count) continue;
     // What each instance has besides its place: its name, the weights, and channels that move them.
@@ -110,7 +95,7 @@ Checked expand_instances(Document& document) {
                                      " instances are more than a file of this size should have");
     if (!taken) return taken;
     const std::size_t first = document.nodes.size();
-    std::vector<Node> made = instances_of(document, node, *instancing, *count);
+    std::vector<Node> made = instances_of(document, node, *attributes, *count);
     for (Node& instance : made) {
       document.nodes[i].children.push_back(static_cast<int>(document.nodes.size()));
       document.nodes.push_back(std::move(instance));

@@ -18,6 +18,9 @@ struct TextureUse {
   std::uint32_t texture = 0, texcoord = 0;
   glm::dvec2 offset{0.0}, scale{1.0};
   double rotation_rad = 0;
+
+  /// Of the texture coordinates.
+  [[nodiscard]] std::string semantic() const { return "TEXCOORD_" + std::to_string(texcoord); }
 };
 
 /// The texture of the base colour.

@@ -107,7 +107,7 @@ void make_unit(farshade::Mesh& mesh) {
 /// translate. The text of the extension, three.js and the Khronos sample viewer agree on this.
 std::vector<glm::vec2> texture_coordinates(const Document& document, const Primitive& primitive,
                                            const TextureUse& use, std::size_t vertices) {
-  const Index accessor = attribute(primitive, "TEXCOORD_" + std::to_string(use.texcoord));
+  const Index accessor = attribute(primitive, use.semantic());
   if (!accessor) return std::vector<glm::vec2>(vertices, glm::vec2(0.0f));
   auto uvs = read_vectors<2>(document, *accessor);
   if (use.offset == glm::dvec2(0.0) && use.scale == glm::dvec2(1.0) && use.rotation_rad == 0.0) return uvs;
@@ -167,17 +167,12 @@ std::vector<Deformable::Influence> influences_of(const Document& document, const
   return result;
 }
 
-std::vector<glm::vec3> differences(const Document& document, Index accessor) {
-  return accessor ? read_vectors<3>(document, *accessor) : std::vector<glm::vec3>();
-}
-
 Deformable deformable_of(const Document& document, const Primitive& primitive, bool skinned) {
-  Deformable result{.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"))};
-  if (const Index normal = attribute(primitive, "NORMAL"))
-    result.normals = read_vectors<3>(document, *normal);
+  Deformable result{.positions = read_vectors<3>(document, attribute(primitive, "POSITION")),
+                    .normals = read_vectors<3>(document, attribute(primitive, "NORMAL"))};
   for (const auto& target : primitive.targets)
-    result.targets.push_back({differences(document, attribute(target, "POSITION")),
-                              differences(document, attribute(target, "NORMAL"))});
+    result.targets.push_back({read_vectors<3>(document, attribute(target, "POSITION")),
+                              read_vectors<3>(document, attribute(target, "NORMAL"))});
   if (skinned) result.influences = influences_of(document, primitive);
   return result;
 }
@@ -186,8 +181,7 @@ Deformable deformable_of(const Document& document, const Primitive& primitive, b
 void complete(const Document& document, const Primitive& primitive, farshade::Mesh& mesh) {
   if (const auto texture = texture_of(document, primitive))
     mesh.uvs = texture_coordinates(document, primitive, *texture, mesh.positions.size());
-  if (const Index color = attribute(primitive, "COLOR_0"))
-    mesh.colors = colors_from(read_vectors<4>(document, *color));
+  mesh.colors = colors_from(read_vectors<4>(document, attribute(primitive, "COLOR_0")));
   mesh.normals.empty() ? make_flat(mesh) : make_unit(mesh);
 }
 
@@ -201,10 +195,10 @@ void remove_without_area(farshade::Mesh& mesh) {
 
 farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
   farshade::Mesh mesh;
-  mesh.positions = read_vectors<3>(document, *attribute(primitive, "POSITION"));
+  mesh.positions = read_vectors<3>(document, attribute(primitive, "POSITION"));
   mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
   remove_without_area(mesh);
-  if (const Index normal = attribute(primitive, "NORMAL")) mesh.normals = read_vectors<3>(document, *normal);
+  mesh.normals = read_vectors<3>(document, attribute(primitive, "NORMAL"));
   complete(document, primitive, mesh);
   return mesh;
 }

@@ -80,6 +80,12 @@ class Budget {
   return bytes;
 }
 
+/// The limit on the elements of all accessors together, and on the elements that all primitives read:
+/// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.
+[[nodiscard]] inline std::uint64_t element_budget(const Document& document) {
+  return std::min((std::uint64_t{1} << 22) + 8 * buffer_bytes(document), std::uint64_t{1} << 30);
+}
+
 /// True if the index is absent or in range for `list`.
 template <class List>
 [[nodiscard]] bool points_into(const List& list, int index) {
@@ -94,14 +100,7 @@ template <class List>
 
 // Accessors.
 
-enum class Component : int {
-  Int8 = 5120,
-  UInt8 = 5121,
-  Int16 = 5122,
-  UInt16 = 5123,
-  UInt32 = 5125,
-  Float = 5126
-};
+enum class Component : int { Int8 = 5120, UInt8, Int16, UInt16, UInt32 = 5125, Float };
 
 [[nodiscard]] inline Component component_of(const Accessor& accessor) {
   return static_cast<Component>(accessor.componentType);

@@ -167,34 +167,30 @@ Checked add_images(const json& images, SceneFolder& folder, Document& document) 
   return {};
 }
 
-/// tinygltf refuses indices whose accessor has no buffer view. Takes the indices from all primitives.
-std::vector<int> take_indices(json& root) {
-  std::vector<int> indices;
+/// Moves a number to the extras, of which keep_members leaves none. As a fraction it keeps its 53 bits.
+void hide(json& object, const char* name, double otherwise) {
+  object["extras"] = object.value(name, otherwise);
+  object.erase(name);
+}
+
+/// tinygltf refuses indices whose accessor has no buffer view, and strides that are no multiple of 4.
+void hide_what_is_refused(json& root, Repairs& repairs) {
   for (json& mesh : list_of(root, "meshes"))
-    for (json& primitive : mesh["primitives"]) {
-      indices.push_back(primitive.value("indices", -1));
-      primitive.erase("indices");
-    }
-  return indices;
-}
-
-/// tinygltf refuses strides that are no multiple of 4. Takes the strides from all buffer views.
-std::vector<std::size_t> take_strides(json& root, Repairs& repairs) {
-  std::vector<std::size_t> strides;
-  for (json& view : list_of(root, "bufferViews")) {
-    const std::size_t stride = strides.emplace_back(view.value("byteStride", std::size_t{0}));
-    if (view.erase("byteStride") > 0 && (stride < 4 || stride > 252 || stride % 4 != 0))
-      repairs.add(kReadAnyway, label("buffer view", strides.size() - 1) +
-                                   ": its stride should be a multiple of 4 from 4 to 252");
+    for (json& primitive : mesh["primitives"]) hide(primitive, "indices", -1);
+  for (std::size_t i = 0; json & view : list_of(root, "bufferViews")) {
+    const std::string name = label("buffer view", i++);
+    const std::uint64_t stride = view.value("byteStride", std::uint64_t{4});
+    if (stride < 4 || stride > 252 || stride % 4 != 0)
+      repairs.add(kReadAnyway, name + ": its stride should be a multiple of 4 from 4 to 252");
+    hide(view, "byteStride", 0);
   }
-  return strides;
 }
 
-void put_back(const std::vector<int>& indices, const std::vector<std::size_t>& strides, Document& document) {
-  auto next = indices.begin();
+void put_back(Document& document) {
   for (Mesh& mesh : document.meshes)
-    for (Primitive& primitive : mesh.primitives) primitive.indices = *next++;
-  for (std::size_t i = 0; i < strides.size(); ++i) document.bufferViews[i].byteStride = strides[i];
+    for (Primitive& primitive : mesh.primitives) primitive.indices = primitive.extras.GetNumberAsInt();
+  for (BufferView& view : document.bufferViews)
+    view.byteStride = static_cast<std::size_t>(view.extras.GetNumberAsDouble());
 }
 
 /// tinygltf 2.7 leaves out channels without a node, and empty objects in lists of extensions (variants
@@ -214,8 +210,7 @@ void add_what_is_required(json& root) {
 
 /// Reads the members of the table, without files.
 Expected<Document> document_from(json root, Repairs repairs) {
-  const std::vector<int> indices = take_indices(root);
-  const std::vector<std::size_t> strides = take_strides(root, repairs);
+  hide_what_is_refused(root, repairs);
   add_what_is_required(root);
   const std::string text = root.dump();
   root = nullptr;  // tinygltf parses a copy
@@ -228,7 +223,7 @@ Expected<Document> document_from(json root, Repairs repairs) {
     // No file is known of which the checks before leave this to tinygltf.
     return malformed("tinygltf: " +
                      (error.empty() ? "it cannot be read" : printable(error.substr(0, error.find('\n')))));
-  put_back(indices, strides, document);
+  put_back(document);
   document.repairs = std::move(repairs);
   return document;
 }

@@ -1,6 +1,6 @@
-/// The stages in which a file becomes a Scene, in order. From validate() on, every index that is left in the
-/// Document is in range, every accessor that is named lies inside its buffer (64-bit arithmetic), every
-/// number is finite, the nodes form a forest of bounded depth, and the keys of animations can be
+/// The stages in which a file becomes a Scene, in order. After the validate_ functions, every index that is
+/// left in the Document is in range, every accessor that is named lies inside its buffer (64-bit arithmetic),
+/// every number is finite, the nodes form a forest of bounded depth, and the keys of animations can be
 /// interpolated: the conversion needs no checks. Faults are mended by leaving out what is wrong, with a note
 /// in Document::repairs. Refused are files that exceed a limit, and nodes in a cycle. A refusal names the
 /// object: "mesh 3 'chair', primitive 0: more vertices than ...".
@@ -51,9 +51,7 @@ void validate_accessors(Document& document);
 /// the animations that do not play. Refuses what is not in the file with a list of what is.
 [[nodiscard]] Checked choose_scene(Document& document, const SceneChoice& choice);
 
-[[nodiscard]] Checked validate(Document& document, const SceneLimits& limits);
-
-// The parts of validate(), in order: each part relies on the parts before it.
+// Each of these relies on those before it.
 
 void validate_lights(Document& document);
 /// Meshes with their attributes and vertex indices. Removes primitives that cannot be drawn.
@@ -86,10 +84,6 @@ void validate_lights(Document& document);
 
 /// The nodes of which an animation moves `path`, such as "scale".
 [[nodiscard]] std::set<int> nodes_with_moving(const Document& document, std::string_view path);
-
-/// The limit on the elements of all accessors together, and on the elements that all primitives read:
-/// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.
-[[nodiscard]] std::uint64_t element_budget(const Document& document);
 
 /// Calls `check_item(index, item)` for each item of `list`, up to the first fault.
 template <class List, class Check>

@@ -54,12 +54,6 @@ Checked check_indices(Document& document, const std::string& name, const Primiti
   return {};
 }
 
-/// The texture coordinates that the material of a primitive reads. Other TEXCOORD_n are not read.
-std::string texcoord_semantic(const Document& document, const Primitive& primitive) {
-  const auto texture = texture_of(document, primitive);
-  return texture ? "TEXCOORD_" + std::to_string(texture->texcoord) : "";
-}
-
 const Attribute kPosition{"POSITION", {kFloatsOrShort, 3}};
 
 /// What no triangle can do without: vertices and indices.
@@ -108,9 +102,10 @@ Checked check_primitive(Document& document, const std::string& name, Primitive& 
   shape = shape.and_then([&] { return check_shape(document, name, primitive, left); });
   if (!shape) return mended(std::move(shape), document.repairs, kNotDrawn, [&] { primitive = {}; });
   const std::uint64_t vertices = at(document.accessors, primitive.attributes.at("POSITION")).count;
+  const auto texture = texture_of(document, primitive);  // other TEXCOORD_n are not read
   const Attribute attributes[] = {{"NORMAL", {kFloats | kNormalizedSigned, 3}},
                                   {"COLOR_0", {kFloats | kNormalizedUnsigned, 3, 4}},
-                                  {texcoord_semantic(document, primitive), {kFloatsOrShort, 2}},
+                                  {texture ? texture->semantic() : "", {kFloatsOrShort, 2}},
                                   {"WEIGHTS_0", {kFloats | kNormalizedUnsigned, 4}},
                                   {"JOINTS_0", {kUnsigned, 4}}};
   keep_attributes(document, name, attributes, vertices, primitive.attributes);

@@ -18,13 +18,10 @@ std::string node_label(const Document& document, std::size_t index) {
 }
 
 /// The nodes without a parent.
-std::vector<int> all_roots(const Document& document) {
-  std::vector<bool> is_root(document.nodes.size(), true);
-  for (const Node& node : document.nodes)
-    for (const int child : node.children) is_root[static_cast<std::size_t>(child)] = false;
+std::vector<int> all_roots(const std::vector<Index>& parents) {
   std::vector<int> roots;
-  for (std::size_t i = 0; i < is_root.size(); ++i)
-    if (is_root[i]) roots.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    if (!parents[i]) roots.push_back(static_cast<int>(i));
   return roots;
 }
 
@@ -117,7 +114,7 @@ void keep_children(Document& document, std::vector<Index>& parents) {
 /// Every node has at most one parent here, so a node that no root reaches is part of a cycle or below one.
 Checked check_forest(const Document& document, const std::vector<Index>& parents, std::uint32_t most_depth) {
   std::vector<std::uint32_t> depth(parents.size(), 0);
-  for (const std::uint32_t i : parents_first(document, all_roots(document))) {
+  for (const std::uint32_t i : parents_first(document, all_roots(parents))) {
     depth[i] = parents[i] ? depth[*parents[i]] + 1 : 1;
     if (depth[i] > most_depth)
       return fail(Fault::OutOfRange, node_label(document, i) + " is nested deeper than " +
@@ -152,7 +149,7 @@ void keep_roots(Document& document, std::size_t number, const std::vector<Index>
 
 void mend_scenes(Document& document, const std::vector<Index>& parents) {
   if (document.scenes.empty()) {
-    document.scenes.emplace_back().nodes = all_roots(document);
+    document.scenes.emplace_back().nodes = all_roots(parents);
     document.repairs.add("all nodes are drawn", "the file has no scene");
   }
   if (!points_into(document.scenes, document.defaultScene)) {
