@@ -142,18 +142,18 @@ Checked check_finite(const Document& document, const std::string& name, const Ac
 
 }  // namespace
 
-Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document, const std::string& name,
-                                                        int number, std::size_t offset, std::size_t bytes) {
+Expected<ByteSpan> bytes_in_buffer(const Document& document, const std::string& name, int number,
+                                   std::size_t offset, std::size_t bytes) {
   if (!points_into(document.buffers, number) || number < 0)
     return malformed(name + ": there is no " + label("buffer", number));
   const tinygltf::Buffer& buffer = at(document.buffers, number);
-  const std::span<const std::uint8_t> all = buffer.data;
+  const ByteSpan all = buffer.data;
   if (offset <= all.size() && bytes <= all.size() - offset) return all.subspan(offset, bytes);
   if (!buffer.name.empty()) return malformed(buffer.name);
   return malformed(name + " reads beyond its buffer (" + std::to_string(all.size()) + " bytes)");
 }
 
-Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document, int index) {
+Expected<ByteSpan> bytes_of_view(const Document& document, int index) {
   const std::string name = label("buffer view", index);
   if (!points_into(document.bufferViews, index) || index < 0) return malformed("there is no " + name);
   const BufferView& view = at(document.bufferViews, index);

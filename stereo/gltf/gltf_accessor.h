@@ -26,12 +26,11 @@ auto with_type(Component component, Use use) {
 }
 
 /// `bytes` bytes of a buffer from `offset` on, or why `name` cannot read them.
-[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_in_buffer(const Document& document,
-                                                                      const std::string& name, int buffer,
-                                                                      std::size_t offset, std::size_t bytes);
+[[nodiscard]] Expected<ByteSpan> bytes_in_buffer(const Document& document, const std::string& name,
+                                                 int buffer, std::size_t offset, std::size_t bytes);
 
 /// The bytes of a buffer view, or why they cannot be read.
-[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document, int view);
+[[nodiscard]] Expected<ByteSpan> bytes_of_view(const Document& document, int view);
 
 /// The accessor `index`, or why it cannot be read. `user` names what reads it: "mesh 3, primitive 0:
 /// POSITION". validate_accessors must have looked for faults.

@@ -62,7 +62,7 @@ Checked check_meshopt(const std::string& name, const MeshoptView& from, std::uin
   return {};
 }
 
-int decode(const MeshoptView& from, std::span<const std::uint8_t> source, Bytes& to) {
+int decode(const MeshoptView& from, ByteSpan source, Bytes& to) {
   if (from.mode == "ATTRIBUTES")
     return meshopt_decodeVertexBuffer(to.data(), from.count, from.stride, source.data(), source.size());
   if (from.mode == "TRIANGLES")

@@ -86,9 +86,8 @@ class BoundedDecoder : public Decoder {
   Checked verdict_;
 };
 
-Expected<std::unique_ptr<draco::Mesh>> decode_mesh(std::span<const std::uint8_t> bytes,
-                                                   const std::string& name, std::uint64_t triangles,
-                                                   Budget& budget) {
+Expected<std::unique_ptr<draco::Mesh>> decode_mesh(ByteSpan bytes, const std::string& name,
+                                                   std::uint64_t triangles, Budget& budget) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::DecoderBuffer ahead = buffer;

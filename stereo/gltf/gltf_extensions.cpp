@@ -14,60 +14,54 @@ using Json = nlohmann::json;
 
 /// Extensions of which the same is missing in the picture.
 struct Extensions {
-  bool may_be_required;
-  std::string_view without;  ///< how the picture differs; empty: it does not, or others warn
   std::initializer_list<std::string_view> names;  ///< one that ends in '_' stands for all that begin with it
+  std::string_view without{};  ///< how the picture differs; empty: it does not, or others warn
+  bool may_be_required = true;
 };
 constexpr std::string_view kColorsOnly = "materials have base colours only", kUnknown = "unknown";
 const Extensions kExtensions[] = {
     // obeyed
-    {true,
-     "",
-     {"EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
+    {{"EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
       "KHR_lights_punctual", "KHR_materials_variants", "KHR_mesh_quantization", "KHR_meshopt_compression",
       "KHR_node_visibility", "KHR_texture_transform"}},
-    // gltf_pointers.cpp, gltf_materials.cpp and kLooks warn
-    {true,
-     "",
-     {"KHR_animation_pointer", "EXT_texture_avif", "KHR_texture_basisu", "KHR_materials_emissive_strength",
+    // resolve_pointers, gltf_materials.cpp and kLooks warn
+    {{"KHR_animation_pointer", "EXT_texture_avif", "KHR_texture_basisu", "KHR_materials_emissive_strength",
       "KHR_materials_transmission"}},
     // nothing that can be seen
-    {true,
-     "",
-     {"AGI_stk_metadata", "EXT_instance_features", "EXT_mesh_features", "EXT_mesh_manifold",
+    {{"AGI_stk_metadata", "EXT_instance_features", "EXT_mesh_features", "EXT_mesh_manifold",
       "EXT_structural_metadata", "FB_geometry_metadata", "GODOT_single_root", "KHR_audio_emitter",
       "KHR_implicit_shapes", "KHR_node_hoverability", "KHR_node_selectability", "KHR_xmp", "KHR_xmp_json_ld",
       "MSFT_audio_emitter"}},
     // looks
-    {true, "materials without light are lit", {"KHR_materials_unlit"}},
-    {true, kColorsOnly, {"KHR_materials_"}},
-    {false,
-     kColorsOnly,
-     {"ADOBE_materials_clearcoat_specular", "ADOBE_materials_clearcoat_tint",
+    {{"KHR_materials_unlit"}, "materials without light are lit"},
+    {{"KHR_materials_"}, kColorsOnly},
+    {{"ADOBE_materials_clearcoat_specular", "ADOBE_materials_clearcoat_tint",
       "ADOBE_materials_thin_transparency", "EXT_materials_bump", "MSFT_packing_normalRoughnessMetallic",
-      "MSFT_packing_occlusionRoughnessMetallic"}},
-    {false,
+      "MSFT_packing_occlusionRoughnessMetallic"},
+     kColorsOnly,
+     false},
+    {{"EXT_texture_astc", "EXT_texture_procedurals", "EXT_texture_video", "KHR_texture_procedurals",
+      "MPEG_texture_video", "MSFT_texture_dds"},
      "textures have the file's PNG or JPEG, or none",
-     {"EXT_texture_astc", "EXT_texture_procedurals", "EXT_texture_video", "KHR_texture_procedurals",
-      "MPEG_texture_video", "MSFT_texture_dds"}},
-    {false, "materials have the file's base colours", {"KHR_techniques_webgl", "NV_materials_mdl"}},
-    {false, "lights shine as without a profile", {"EXT_lights_ies"}},
-    {false,
+     false},
+    {{"KHR_techniques_webgl", "NV_materials_mdl"}, "materials have the file's base colours", false},
+    {{"EXT_lights_ies"}, "lights shine as without a profile", false},
+    {{"EXT_lights_image_based", "KHR_environment_map", "KHR_lights"},
      "only the lights of KHR_lights_punctual shine",
-     {"EXT_lights_image_based", "KHR_environment_map", "KHR_lights"}},
-    {false, "nodes have their finest level", {"MSFT_lod"}},
+     false},
+    {{"MSFT_lod"}, "nodes have their finest level", false},
     // shapes
-    {false, "outlines are missing", {"CESIUM_primitive_outline"}},
-    {false, "the scene stands at the origin", {"CESIUM_RTC"}},
-    {false, "edges are missing", {"EXT_mesh_primitive_edge_visibility"}},
-    {false, "strips and fans are not cut", {"EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart"}},
-    {false, "voxels are missing", {"EXT_primitive_voxels"}},
-    {false, "numbers of 64 bits are not read", {"KHR_accessor_float64"}},
-    {false, "splats are missing", {"KHR_gaussian_splatting"}},
+    {{"CESIUM_primitive_outline"}, "outlines are missing", false},
+    {{"CESIUM_RTC"}, "the scene stands at the origin", false},
+    {{"EXT_mesh_primitive_edge_visibility"}, "edges are missing", false},
+    {{"EXT_mesh_primitive_restart", "KHR_mesh_primitive_restart"}, "strips and fans are not cut", false},
+    {{"EXT_primitive_voxels"}, "voxels are missing", false},
+    {{"KHR_accessor_float64"}, "numbers of 64 bits are not read", false},
+    {{"KHR_gaussian_splatting"}, "splats are missing", false},
     // motion
-    {false, "articulations stand still", {"AGI_articulations"}},
-    {false, "nothing reacts", {"KHR_interactivity"}},
-    {false, "bodies do not fall", {"KHR_physics_rigid_bodies", "MSFT_physics"}},
+    {{"AGI_articulations"}, "articulations stand still", false},
+    {{"KHR_interactivity"}, "nothing reacts", false},
+    {{"KHR_physics_rigid_bodies", "MSFT_physics"}, "bodies do not fall", false},
 };
 
 /// The row of an extension; null if there is none.

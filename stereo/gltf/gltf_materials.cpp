@@ -19,15 +19,15 @@ std::optional<float> cutoff_from(const Material& material) {
 }
 
 /// The bytes of an image's file, or why they cannot be read.
-Expected<std::span<const std::uint8_t>> file_of(const Document& document, std::uint32_t index) {
+Expected<ByteSpan> file_of(const Document& document, std::uint32_t index) {
   const tinygltf::Image& image = document.images[index];
   if (image.bufferView >= 0) return bytes_of_view(document, image.bufferView);
   if (const auto& why = document.unreadable[index]) return tl::unexpected(*why);
-  return std::span<const std::uint8_t>(image.image);
+  return ByteSpan(image.image);
 }
 
 /// False for a format that no library of Debian decodes.
-bool is_known(std::span<const std::uint8_t> file) {
+bool is_known(ByteSpan file) {
   using namespace std::string_view_literals;
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
@@ -135,7 +135,7 @@ Expected<Index> MaterialConverter::texture(const std::string& user, std::uint32_
   const Index source = image_of(from);
   if (source && *source >= document_.images.size())
     return malformed(name + ": there is no " + label("image", *source));
-  const auto file = source ? file_of(document_, *source) : Expected<std::span<const std::uint8_t>>();
+  const auto file = source ? file_of(document_, *source) : Expected<ByteSpan>();
   if (!source || (file && !is_known(*file))) {
     const std::string warning = "textures without a PNG, JPEG or WebP image are left out";
     if (std::ranges::find(scene_.warnings, warning) == scene_.warnings.end())

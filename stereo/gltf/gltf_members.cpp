@@ -1,8 +1,12 @@
-#include "stereo/gltf/gltf_members.h"
+/// The table of the JSON members that the loader reads, with the type and the range of each by the
+/// specification. tinygltf accepts wrong types and stores what nobody reads, so the table comes first.
 
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+
+#include "stereo/gltf/gltf_extensions.h"
+#include "stereo/gltf/gltf_model.h"
 
 namespace farshade::gltf {
 namespace {

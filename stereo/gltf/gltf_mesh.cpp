@@ -167,17 +167,16 @@ std::vector<Deformable::Influence> influences_of(const Document& document, const
   return result;
 }
 
-Deformable deformable_of(const Document& document, const Primitive& primitive, bool skinned) {
-  Deformable result{.positions = read_vectors<3>(document, attribute(primitive, "POSITION")),
-                    .normals = read_vectors<3>(document, attribute(primitive, "NORMAL"))};
-  for (const auto& target : primitive.targets)
-    result.targets.push_back({read_vectors<3>(document, attribute(target, "POSITION")),
-                              read_vectors<3>(document, attribute(target, "NORMAL"))});
-  if (skinned) result.influences = influences_of(document, primitive);
-  return result;
+/// The vertices, normals and triangles.
+farshade::Mesh begun_mesh(const Document& document, const Primitive& primitive) {
+  farshade::Mesh mesh;
+  mesh.positions = read_vectors<3>(document, attribute(primitive, "POSITION"));
+  mesh.normals = read_vectors<3>(document, attribute(primitive, "NORMAL"));
+  mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
+  return mesh;
 }
 
-/// All but the vertices and normals that are read already.
+/// Adds the rest to a begun mesh.
 void complete(const Document& document, const Primitive& primitive, farshade::Mesh& mesh) {
   if (const auto texture = texture_of(document, primitive))
     mesh.uvs = texture_coordinates(document, primitive, *texture, mesh.positions.size());
@@ -194,21 +193,19 @@ void remove_without_area(farshade::Mesh& mesh) {
 }
 
 farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
-  farshade::Mesh mesh;
-  mesh.positions = read_vectors<3>(document, attribute(primitive, "POSITION"));
-  mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
+  farshade::Mesh mesh = begun_mesh(document, primitive);
   remove_without_area(mesh);
-  mesh.normals = read_vectors<3>(document, attribute(primitive, "NORMAL"));
   complete(document, primitive, mesh);
   return mesh;
 }
 
 farshade::Mesh deformable_mesh_from(const Document& document, const Primitive& primitive, bool skinned) {
-  farshade::Mesh mesh;
-  mesh.deformable = deformable_of(document, primitive, skinned);
-  mesh.positions = mesh.deformable->positions;
-  mesh.normals = mesh.deformable->normals;
-  mesh.triangles = triangles_of(document, primitive, mesh.positions.size());
+  farshade::Mesh mesh = begun_mesh(document, primitive);
+  mesh.deformable = {.positions = mesh.positions, .normals = mesh.normals};
+  for (const auto& target : primitive.targets)
+    mesh.deformable->targets.push_back({read_vectors<3>(document, attribute(target, "POSITION")),
+                                        read_vectors<3>(document, attribute(target, "NORMAL"))});
+  if (skinned) mesh.deformable->influences = influences_of(document, primitive);
   complete(document, primitive, mesh);
   if (!mesh.deformable->normals.empty()) mesh.deformable->normals = mesh.normals;
   return mesh;

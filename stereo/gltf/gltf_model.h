@@ -39,6 +39,7 @@ using tinygltf::Skin;
 
 using Checked = Expected<void>;
 using Bytes = std::vector<std::uint8_t>;
+using ByteSpan = std::span<const std::uint8_t>;
 
 /// An index that may be absent. tinygltf writes -1 then.
 inline constexpr std::uint32_t kMaxIndex = (std::uint32_t{1} << 31) - 1;  ///< an int holds it

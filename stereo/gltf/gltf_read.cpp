@@ -14,7 +14,6 @@
 #include <nlohmann/json.hpp>
 
 #include "stereo/gltf/gltf_extensions.h"
-#include "stereo/gltf/gltf_members.h"
 
 namespace farshade::gltf {
 namespace {

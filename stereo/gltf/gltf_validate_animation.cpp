@@ -14,9 +14,6 @@ namespace {
 
 constexpr float kMaxTime_s = 1e6f, kMostCone_rad = std::numbers::pi_v<float> / 2 + 1e-6f;
 
-bool is_any(const glm::vec4&) {
-  return true;
-}
 bool is_unit(const glm::vec4& value) {
   return std::abs(glm::length(value) - 1.0f) <= 0.05f;
 }
@@ -27,18 +24,18 @@ bool is_not_negative(const glm::vec4& value) {
 /// A property that animations may change: of the nodes or of the lights.
 struct Property {
   std::string_view name, list;
-  Elements elements;                 ///< of its values
-  bool (*may_be)(const glm::vec4&);  ///< a value, after which components that it does not have are 1
+  Elements elements;                           ///< of its values
+  bool (*may_be)(const glm::vec4&) = nullptr;  ///< a value; components that it does not have are 1
 };
 constexpr std::string_view kNodes = "/nodes/", kLights = "/extensions/KHR_lights_punctual/lights/";
 /// KHR_animation_pointer asks for unsigned bytes where a property is a boolean; other scalars are read as
 /// bytes are.
 constexpr Property kProperties[] = {
-    {"translation", kNodes, {kFloats, 3}, is_any},
+    {"translation", kNodes, {kFloats, 3}},
     {"rotation", kNodes, {kFloatsOrNormalized, 4}, is_unit},
-    {"scale", kNodes, {kFloats, 3}, is_any},
-    {"weights", kNodes, {kFloatsOrNormalized, 1}, is_any},
-    {kVisiblePath, kNodes, {kFloatsOrShort, 1}, is_any},
+    {"scale", kNodes, {kFloats, 3}},
+    {"weights", kNodes, {kFloatsOrNormalized, 1}},
+    {kVisiblePath, kNodes, {kFloatsOrShort, 1}},
     {"color", kLights, {kFloatsOrNormalized, 3}, is_not_negative},
     {"intensity", kLights, {kFloatsOrNormalized, 1}, is_not_negative},
     {"range", kLights, {kFloatsOrNormalized, 1}, [](const glm::vec4& value) { return value.x > 0; }},
@@ -109,7 +106,7 @@ Checked check_output(const Document& document, const std::string& name, const An
                      std::to_string(wanted));
   const auto values = read_vectors<4>(document, static_cast<std::uint32_t>(sampler.output));
   for (std::size_t i = parts / 2; i < values.size(); i += parts)  // without tangents
-    if (!property.may_be(values[i]))
+    if (property.may_be && !property.may_be(values[i]))
       return malformed(subject + ": element " + std::to_string(i) + " is a value that " + what +
                        " cannot have");
   return {};

@@ -19,16 +19,6 @@ struct Attribute {
   Elements elements;
 };
 
-Checked check_attribute(const Document& document, const std::string& name,
-                        const std::map<std::string, int>& attributes, const Attribute& expected,
-                        std::uint64_t vertices) {
-  const Index index = attribute(attributes, expected.semantic);
-  if (!index) return {};
-  return attribute_of(document, name + ": " + printable(expected.semantic), *index, expected.elements,
-                      vertices, "vertices")
-      .map([](const Accessor*) {});
-}
-
 Checked check_positions(const Document& document, const std::string& name, std::uint32_t index) {
   const auto positions = read_vectors<3>(document, index);
   const auto is_far = [](const glm::vec3& p) { return !lies_within(kMaxCoordinate, p); };
@@ -67,9 +57,11 @@ Checked check_shape(Document& document, const std::string& name, const Primitive
   const auto position = static_cast<std::uint32_t>(primitive.attributes.at("POSITION"));
   const Checked checked =
       left.take(vertices + indices, name + ": more vertices than a file of this size should have")
-          .and_then(
-              [&] { return check_attribute(document, name, primitive.attributes, kPosition, vertices); })
-          .and_then([&] { return check_positions(document, name, position); })
+          .and_then([&] {
+            return attribute_of(document, name + ": POSITION", position, kPosition.elements, vertices,
+                                "vertices");
+          })
+          .and_then([&](const Accessor*) { return check_positions(document, name, position); })
           .and_then([&] { return check_indices(document, name, primitive, vertices); });
   const std::string few = name + ": " + std::to_string(indices) + " vertices do not make whole triangles";
   if (checked && indices < 3) return malformed(few);
@@ -82,9 +74,12 @@ Checked check_shape(Document& document, const std::string& name, const Primitive
 void keep_attributes(Document& document, const std::string& name, std::span<const Attribute> expected,
                      std::uint64_t vertices, std::map<std::string, int>& attributes) {
   for (const Attribute& one : expected) {
-    const Checked checked = check_attribute(document, name, attributes, one, vertices);
-    if (checked) continue;
-    document.repairs.add("it is drawn without this attribute", checked.error());
+    const Index index = attribute(attributes, one.semantic);
+    if (!index) continue;
+    const auto found = attribute_of(document, name + ": " + printable(one.semantic), *index, one.elements,
+                                    vertices, "vertices");
+    if (found) continue;
+    document.repairs.add("it is drawn without this attribute", found.error());
     attributes.erase(one.semantic);
   }
 }
