@@ -163,13 +163,12 @@ Checked take_attribute(Document& document, const std::string& name, Primitive& p
 }
 
 int take_indices(Document& document, std::uint32_t accessor, const draco::Mesh& mesh) {
-  Bytes bytes(std::size_t{mesh.num_faces()} * 3 * sizeof(std::uint32_t));
+  std::vector<std::uint32_t> corners;
   for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t corner = mesh.face(draco::FaceIndex(i))[k].value();
-      std::memcpy(bytes.data() + (3 * i + k) * sizeof corner, &corner, sizeof corner);
-    }
-  const int number = add_accessor(document, accessor, std::move(bytes));
+    for (const auto& corner : mesh.face(draco::FaceIndex(i))) corners.push_back(corner.value());
+  const auto* first = reinterpret_cast<const std::uint8_t*>(corners.data());
+  const int number =
+      add_accessor(document, accessor, Bytes(first, first + sizeof(std::uint32_t) * corners.size()));
   at(document.accessors, number).componentType = static_cast<int>(Component::UInt32);
   return number;
 }

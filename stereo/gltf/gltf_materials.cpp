@@ -132,7 +132,9 @@ Expected<Index> MaterialConverter::texture(const std::string& user, std::uint32_
   if (index >= document_.textures.size()) return malformed(user + ": there is no " + label("texture", index));
   const tinygltf::Texture& from = document_.textures[index];
   const std::string name = label("texture", index, from.name);
-  const Index source = image_of(from);
+  // That of EXT_texture_webp, else the one that every program can read.
+  const Index webp = index_member(extension(from.extensions, "EXT_texture_webp"), "source"),
+              source = webp ? webp : index_of(from.source);
   if (source && *source >= document_.images.size())
     return malformed(name + ": there is no " + label("image", *source));
   const auto file = source ? file_of(document_, *source) : Expected<ByteSpan>();

@@ -239,12 +239,6 @@ inline constexpr std::string_view kVisiblePath = "extensions/KHR_node_visibility
   return !channel.target_extensions.empty();
 }
 
-/// The image of a texture: that of EXT_texture_webp, else the one that every program can read.
-[[nodiscard]] inline Index image_of(const tinygltf::Texture& texture) {
-  const Index source = index_member(extension(texture.extensions, "EXT_texture_webp"), "source");
-  return source ? source : index_of(texture.source);
-}
-
 // Sentences.
 
 /// "mesh 3 'chair'", or "mesh 3" without a name.

@@ -189,15 +189,11 @@ Checked check_mesh_nodes(Document& document) {
   });
 }
 
-bool is_kind(const std::string& type) {
-  return type == "point" || type == "spot" || type == "directional";
-}
-
 /// Brings the values of a light into their limits. A light of no kind gets an empty type.
 void mend_light(std::size_t index, Light& light, Repairs& repairs) {
   constexpr double kWidest_rad = std::numbers::pi / 2;
   const std::string name = label("light", index, light.name);
-  if (!is_kind(light.type)) {
+  if (light.type != "point" && light.type != "spot" && light.type != "directional") {
     if (!light.type.empty())
       repairs.add("it is left out", name + ": unknown type '" + printable(light.type) + "'");
     light.type.clear();
