@@ -8,8 +8,8 @@
 #ifdef MOTION
 #include "shaders/swept.glsl"
 
-layout(std430, binding = 10) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
-layout(std430, binding = 11) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
+layout(std430, binding = 14) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
+layout(std430, binding = 15) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
 
 mat4 motion_of(uint slot, uint mask) { return motions[((slot - 1) * FARSHADE_MAX_TRACED + mask) * 2 + shown_eye]; }
 

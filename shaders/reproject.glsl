@@ -60,10 +60,10 @@ bool on_plane(Projection projection, ivec2 pixel, float traced, float bend) {
   return abs(traced - expected) <= bend * abs(expected - projection.depth) + projection.tolerance;
 }
 
-bool same_surface(SourceData source, Projection projection, ivec2 pixel, float bend) {
+bool same_surface(sampler2DArray depths, SourceData source, Projection projection, ivec2 pixel, float bend) {
   ivec2 there = inside(source, pixel);
   bool known = block_known(source, there);
-  bool near = on_plane(projection, there, texelFetch(depth_ring, ivec3(there, source.place.x), 0).r, bend);
+  bool near = on_plane(projection, there, texelFetch(depths, ivec3(there, source.place.x), 0).r, bend);
   return pixel == there && known && near;
 }
 
@@ -90,7 +90,7 @@ Sample nearest_on_plane(Surface surface, bool needed) {
   needed = needed && projection.visible && all(lessThanEqual(abs(start - projection.at), vec2(kFarthest_px)));
   [[dont_unroll]] for (uint tap = 0; needed && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
     ivec2 pixel = ivec2(start) + (tap == 0 ? ivec2(0) : kAround[(tap - 1) % 8] << ((tap - 1) / 8));
-    if (same_surface(source, projection, pixel, kNeighbourBend)) {
+    if (same_surface(mask_depths_0, source, projection, pixel, kNeighbourBend)) {
       found.source = kNewest;
       found.pixel = pixel;
     }
@@ -98,24 +98,33 @@ Sample nearest_on_plane(Surface surface, bool needed) {
   return found;
 }
 
-Sample sample_source(uint index, SourceData source, Surface surface) {
+Sample sample_source(sampler2DArray depths, uint index, SourceData source, Surface surface) {
   Projection projection = project(mask_of(index), source, surface);
   Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(floor(projection.at)), projection.at);
-  bool same = same_surface(source, projection, found.pixel, kBend);
+  bool same = same_surface(depths, source, projection, found.pixel, kBend);
   if (projection.visible && same) found.source = index;
   return found;
+}
+
+// Looks for the point in a mask, as traced for this eye and then for the other, from the view `first` on.
+void look_in(sampler2DArray depths, uint mask, uint first, Surface surface, inout Sample found) {
+  const uint views = kOtherEye ? 2 : 1;
+  [[dont_unroll]] for (uint view = first;
+                       mask < frame.counts.x && view < views && found.source == FARSHADE_SOURCE_UNKNOWN; ++view) {
+    uint index = kNewest + mask + view * FARSHADE_MAX_MASKS;
+    found = sample_source(depths, index, source_of(index), surface);
+  }
 }
 
 // The first source that knows the point: each mask, newest first, as traced for this eye and then for the other. The
 // first pass looks only at the newest for this eye.
 Sample first_sample(Surface surface) {
-  Sample found = sample_source(kNewest, source_of(kNewest), surface);
+  Sample found = sample_source(mask_depths_0, kNewest, source_of(kNewest), surface);
 #ifdef SECOND_LOOK
-  const uint eyes = kOtherEye ? 2 : 1, sources = frame.counts.x * eyes;
-  for (uint i = 1; i < sources && found.source == FARSHADE_SOURCE_UNKNOWN; ++i) {
-    uint index = kNewest + i / eyes + i % eyes * FARSHADE_MAX_MASKS;
-    found = sample_source(index, source_of(index), surface);
-  }
+  look_in(mask_depths_0, 0, 1, surface, found);
+  look_in(mask_depths_1, 1, 0, surface, found);
+  look_in(mask_depths_2, 2, 0, surface, found);
+  look_in(mask_depths_3, 3, 0, surface, found);
 #endif
   return found;
 }
@@ -126,11 +135,8 @@ ivec2 tap_at(ivec2 corner, uint tap) { return corner + ivec2(tap & 1, tap >> 1);
 float of_tap(vec4 gathered, uint tap) {
   return tap == 0 ? gathered.w : tap == 1 ? gathered.z : tap == 2 ? gathered.x : gathered.y;
 }
-vec4 gather_views(ivec2 corner, uint layer) {
-  return textureGather(depth_ring, vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), layer));
-}
-vec4 gather_faces(ivec2 corner, uint layer) {
-  return textureGather(cube_mask_depth, vec3((vec2(corner) + 1.0) / vec2(textureSize(cube_mask_depth, 0).xy), layer));
+vec4 gather(sampler2DArray depths, ivec2 corner, uint layer) {
+  return textureGather(depths, vec3((vec2(corner) + 1.0) / vec2(textureSize(depths, 0).xy), layer));
 }
 
 // What the cube mask knows of a point.
@@ -143,7 +149,7 @@ struct FaceSamples {
 void add_face(uint index, SourceData source, Surface surface, inout FaceSamples samples) {
   Projection projection = project(mask_of(index), source, surface);
   ivec2 corner = corner_at(projection.at);
-  vec4 depths = gather_faces(corner, source.place.x);
+  vec4 depths = gather(cube_mask_depths, corner, source.place.x);
   float nearest = 1e30;
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
     ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
@@ -213,12 +219,12 @@ void add_samples(uint mask, SourceData source, Projection projection, vec4 depth
   }
 }
 
-void add_mask(uint mask, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
+void add_mask(sampler2DArray depths, uint mask, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
   SourceData source = source_of(kNewest + mask);
   Projection projection = project(mask, source, surface);
-  vec4 depths = gather_views(corner_at(projection.at), source.place.x);
+  vec4 around = gather(depths, corner_at(projection.at), source.place.x);
   samples.fresh[mask] = fresh;
-  add_samples(mask, source, projection, depths, mask < frame.counts.x, group, samples);
+  add_samples(mask, source, projection, around, mask < frame.counts.x, group, samples);
 }
 
 // This eye's oldest mask; if the point takes its bits from a face, that face instead, with all lights.
@@ -229,8 +235,8 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, uint fresh, ino
   if (face) source = source_of(taken);
   Projection projection = project(face ? mask_of(taken) : oldest, source, surface);
   ivec2 corner = corner_at(projection.at);
-  vec4 depths = gather_views(corner, source.place.x);
-  if (kCubeMask) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
+  vec4 depths = gather(mask_depths_3, corner, source.place.x);
+  if (kCubeMask) depths = mix(depths, gather(cube_mask_depths, corner, source.place.x), bvec4(face));
   samples.fresh[oldest] = face ? ~0u : fresh;
   add_samples(oldest, source, projection, depths, face || oldest < frame.counts.x, group, samples);
 }
@@ -332,9 +338,9 @@ Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group,
   EdgeSamples samples;
   uint fresh = is_face(taken) ? 0u : ~0u;
   if (kMoved) fresh &= ~stale >> (group % 4 * 8);
-  add_mask(0, surface, group, ~0u, samples);
-  add_mask(1, surface, group, fresh, samples);
-  add_mask(2, surface, group, fresh, samples);
+  add_mask(mask_depths_0, 0, surface, group, ~0u, samples);
+  add_mask(mask_depths_1, 1, surface, group, fresh, samples);
+  add_mask(mask_depths_2, 2, surface, group, fresh, samples);
   add_oldest_or_face(taken, surface, group, fresh, samples);
   Visibility8 k = nearest;
 #ifdef FEW_LIGHTS

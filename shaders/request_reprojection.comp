@@ -20,17 +20,18 @@ layout(constant_id = FARSHADE_REQUEST_REPROJECTION_DETAIL) const float kDetail_p
 layout(constant_id = FARSHADE_REQUEST_REPROJECTION_MOVED) const bool kMoved = false;
 
 layout(push_constant) uniform Dispatch { uint shown_eye; };  // 0 left, 1 right
-// Views are the requested ones; the first source of each eye is the mask. counts.y = layer of their depth.
+// Views are the requested ones; the first source of each eye is the mask.
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
 // For each eye the quads of the mask (stereo/reproject/mask_quads.h), from word source.place.y on.
 layout(std430, binding = 2) readonly buffer Quads { uint quad_words[]; };
-layout(binding = 3) uniform sampler2DArray depth_ring;
+layout(binding = 3) uniform sampler2DArray requested_depths;  // layers: eyes
 // For each eye: planes of rows of whole blocks, words of kWordBytes each.
 layout(std430, binding = 4) writeonly buffer Reprojected { uint reprojected[]; };
 // For each eye and block the shares of the lights (stereo/frame/requested_blocks.h) that are unknown, and
 // FARSHADE_REQUEST_REPROJECTION_COVERED.
 layout(std430, binding = 5) writeonly buffer Unknown { uint unknown[]; };
+layout(binding = 6) uniform sampler2DArray mask_depths;  // layers: eyes
 
 const uint kPlanes = FARSHADE_PLANES(kLights), kSide = FARSHADE_BLOCK_PX;
 
@@ -66,7 +67,7 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   vec2 at = (p.xy * inverse_z - source.origin_step.xy) * source.per_step.xy;
   ivec2 quad = ivec2(floor(at - 0.5)), last = ivec2(source.per_step.zw) - 2;
   vec2 part = at - 0.5 - vec2(quad);
-  vec4 depths = textureGather(depth_ring, vec3((vec2(quad) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x));
+  vec4 depths = textureGather(mask_depths, vec3((vec2(quad) + 1.0) / vec2(textureSize(mask_depths, 0).xy), source.place.x));
   float between = mix(mix(depths.w, depths.z, part.x), mix(depths.x, depths.y, part.x), part.y);
   float step_px = max(abs(source.origin_step.z), abs(source.origin_step.w));
   float tolerance = ((kFootprint + 2.0 * kDetail_px) * step_px + kRounding) * there;
@@ -102,10 +103,10 @@ uint shares_of(uint bits) {
 
 // Depth / near of the pixels of rows `y` and `y` + 1 of a block, from the left.
 void read_depth(uvec2 block, uint y, out vec4 upper, out vec4 lower) {
-  vec2 step = 1.0 / vec2(textureSize(depth_ring, 0).xy), at = (vec2(block * kSide + uvec2(0, y)) + 1.0) * step;
-  float layer = float(frame.counts.y + shown_eye);
-  vec4 left = textureGather(depth_ring, vec3(at, layer));
-  vec4 right = textureGather(depth_ring, vec3(at.x + 2.0 * step.x, at.y, layer));
+  vec2 step = 1.0 / vec2(textureSize(requested_depths, 0).xy), at = (vec2(block * kSide + uvec2(0, y)) + 1.0) * step;
+  float layer = float(shown_eye);
+  vec4 left = textureGather(requested_depths, vec3(at, layer));
+  vec4 right = textureGather(requested_depths, vec3(at.x + 2.0 * step.x, at.y, layer));
   upper = vec4(left.wz, right.wz);
   lower = vec4(left.xy, right.xy);
 }

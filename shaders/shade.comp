@@ -52,7 +52,7 @@ layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
 layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
 layout(std430, binding = 3) readonly buffer KnownBlocks { uint known_words[]; };
-layout(binding = 4) uniform sampler2DArray depth_ring;
+layout(binding = FARSHADE_BINDING_SHOWN_DEPTH) uniform sampler2DArray shown_depths;  // layers: eyes
 layout(binding = 5) uniform sampler2DArray base_colors;
 layout(binding = 6) uniform usampler2DArray surfaces;
 layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
@@ -63,9 +63,19 @@ layout(std430, binding = 8) buffer Hard {
   // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
   uint hard_pixels[];
 };
-layout(binding = 9) uniform sampler2DArray cube_mask_depth;
-#else
-#define cube_mask_depth depth_ring  // not read
+layout(binding = 9) uniform sampler2DArray cube_mask_depths;
+// Of each mask the depth of its views; layers: eyes. An array with an index that is not constant would make lavapipe
+// sample once for each lane.
+layout(binding = FARSHADE_BINDING_MASK_DEPTHS) uniform sampler2DArray mask_depths_0;
+layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 1) uniform sampler2DArray mask_depths_1;
+layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 2) uniform sampler2DArray mask_depths_2;
+layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 3) uniform sampler2DArray mask_depths_3;
+#else  // not read
+#define cube_mask_depths shown_depths
+#define mask_depths_0 shown_depths
+#define mask_depths_1 shown_depths
+#define mask_depths_2 shown_depths
+#define mask_depths_3 shown_depths
 #endif
 #ifdef SHADOW_MAPS
 const bool kShadowMaps = true;
@@ -288,7 +298,7 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
 
 // Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
 void shade(ivec2 pixel, bool wanted) {
-  float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + shown_eye), 0).r;
+  float depth = texelFetch(shown_depths, ivec3(pixel, shown_eye), 0).r;
   bool covered = depth != 0.0;
   uint record = report_record(pixel, wanted);
   if (!covered) report_uncovered(record);

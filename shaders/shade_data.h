@@ -16,6 +16,10 @@
 // For at most so many lights, a variant of HARD and MOVING filters the edges of each light on its own.
 #define FARSHADE_FEW_LIGHTS 4
 
+// Bindings of depth images, which change from frame to frame.
+#define FARSHADE_BINDING_SHOWN_DEPTH 4
+#define FARSHADE_BINDING_MASK_DEPTHS 10  // and the next ones, of each mask
+
 // Ids of the specialisation constants.
 #define FARSHADE_CONSTANT_LIGHTS 0
 #define FARSHADE_CONSTANT_WORD_BYTES 1          // of a mask: 1, 2 or 4

@@ -17,7 +17,7 @@ const float kMapBend = 0.5, kMapFootprint = 1.0, kMapRounding = 16.0 / 16777216.
 // 0 outside of the picture, as for uncovered pixels.
 float shown_depth(ivec2 pixel) {
   ivec2 last = ivec2(frame.eye[shown_eye].size_px.xy) - 1, inside = clamp(pixel, ivec2(0), last);
-  return inside == pixel ? texelFetch(depth_ring, ivec3(inside, frame.counts.y + shown_eye), 0).r : 0.0;
+  return inside == pixel ? texelFetch(shown_depths, ivec3(inside, shown_eye), 0).r : 0.0;
 }
 
 // The normal of the plane through the pixel and two of its neighbours, one beside it and one above or below. Of the four

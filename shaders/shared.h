@@ -84,7 +84,7 @@ struct SourceData {
   mat4 traced_from_shown;
   vec4 origin_step;  // of the traced window: origin.xy, step.xy
   vec4 per_step;     // 1 / step.xy, size in pixels
-  uvec4 place;       // x = layer of its depth; first word: y = of its mask, z = of its known blocks; w unused
+  uvec4 place;       // x = layer of its depth in its image; first word: y = of its mask, z = of its known blocks; w unused
 };
 
 struct FrameData {
@@ -98,8 +98,8 @@ struct FrameData {
   vec4 moved[FARSHADE_SINCE_GROUPS * 2 * FARSHADE_MAX_MOVED];  // [group][eye][sphere]
   vec4 background;                                             // linear
   vec4 ambient;  // linear factor of the base colour; 0 if the scene has lights of its own
-  uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = 1 if the newest mask's view
-                 // is close enough to the shown view to guess from; w = faces of the cube mask in use
+  uvec4 counts;  // x = masks in use, z = 1 if the newest mask's view is close enough to the shown view to guess
+                 // from; w = faces of the cube mask in use; y unused
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw
 };
 

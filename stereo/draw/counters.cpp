@@ -59,10 +59,11 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
   memory[Use::Frame] += deformed_bytes(scene, plan);
   memory[Use::GBuffer] = pixels * (4 + (reprojects_masks(plan) ? 8 : 4));
-  memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
+  const std::size_t depths = 1 + (reprojects_masks(plan) ? limits.depth_frames : 0);
+  memory[Use::Depth] = depths * kEyes * limits.traced_size.pixels() * 4;
   if (reprojection.reprojected > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
   if (most_cube_mask_pairs(plan) > 0)
-    memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * (kCubeMaskSlots + 1) * 4;
+    memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * kCubeMaskSlots * 4;
   memory[Use::Masks] = shading.all_words(plan) + shading.all_known(plan) + kEyes * reprojection.quads +
                        reprojection.reprojected + reprojection.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;

@@ -24,8 +24,9 @@ struct DrawCounters {
   gpu::MemoryUse memory;                  ///< of the whole device, by use
 };
 
-/// The bytes that a renderer allocates, by use. It allocates Report and ReadBack when they are first
-/// requested, and frees Staging once the scene is on the device. With `maps` it draws shadow maps, too; then
+/// The bytes that a renderer allocates at most, by use. It allocates Report and ReadBack when they are first
+/// requested, Depth as far as the answers are late (depth_slots.h), and frees Staging once the scene is on
+/// the device. With `maps` it draws shadow maps, too; then
 /// shadow_map_bytes must succeed for them.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits, const SceneLevels& levels = {},

@@ -11,7 +11,7 @@ CubeMaskFaces::CubeMaskFaces(const gpu::Device& device, const Scene& scene, cons
       buffers_(buffers),
       frame_buffer_(frame),
       pipelines_(std::move(pipelines)),
-      ring_(device, face_size(size), kCubeMaskSlots) {
+      ring_(device, face_size(size), kCubeMaskSlots, DepthImages::Shared) {
   if (!plan.builds_late) need_passes();
 }
 
@@ -25,7 +25,7 @@ void CubeMaskFaces::need_passes() {
 void CubeMaskFaces::prepare(const ShownFrame& frame) {
   places_.clear();
   for (const FaceRequest& pair : frame.faces) {
-    const std::optional<DepthRing::Place> place = ring_.claim(pair.request.frame, pair.slot);
+    const std::optional<DepthPlace> place = ring_.claim(pair.request.frame, pair.slot);
     if (!place || places_.size() == kCubeMaskPairs) continue;
     need_passes();
     passes_[places_.size()].prepare(
@@ -36,8 +36,7 @@ void CubeMaskFaces::prepare(const ShownFrame& frame) {
 }
 
 void CubeMaskFaces::record(const vk::raii::CommandBuffer& commands) const {
-  for (std::size_t pair = 0; pair < places_.size(); ++pair)
-    passes_[pair].record(commands, ring_, places_[pair]);
+  for (std::size_t pair = 0; pair < places_.size(); ++pair) passes_[pair].record(commands, places_[pair]);
 }
 
 std::uint64_t CubeMaskFaces::triangles() const {

@@ -41,8 +41,8 @@ class CubeMaskFaces {
   const gpu::Buffer& frame_buffer_;
   std::shared_ptr<ScenePipelines> pipelines_;
   DepthRing ring_;
-  std::vector<DepthPass> passes_;         ///< created at first use
-  std::vector<DepthRing::Place> places_;  ///< one for each prepared pair
+  std::vector<DepthPass> passes_;   ///< created at first use
+  std::vector<DepthPlace> places_;  ///< one for each prepared pair
 };
 
 }  // namespace farshade

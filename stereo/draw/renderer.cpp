@@ -92,7 +92,7 @@ class VulkanRenderer final : public Renderer {
     return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
   }
   [[nodiscard]] const gpu::Image& shown() const override { return shading_.shown(); }
-  [[nodiscard]] ShownDepth shown_depth() const override { return {ring_.image(), shown_depth_.layer}; }
+  [[nodiscard]] ShownDepth shown_depth() const override { return {*shown_depth_.image, shown_depth_.layer}; }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() override;
   [[nodiscard]] ShownReport report(Side side) override {
     return report(side, {0, 0, size_.width, size_.height});
@@ -127,7 +127,7 @@ class VulkanRenderer final : public Renderer {
   TimewarpPass& need_timewarp();
   void record_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
                        TimewarpPass::Effect effect);
-  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
+  void read_distance(DepthPlace place, Extent size, PerEye<Image<float>>& into);
 
   const gpu::Device& device_;
   const Scene& scene_;
@@ -136,6 +136,8 @@ class VulkanRenderer final : public Renderer {
   SceneBuffers buffers_;
   MotionModel motion_;
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
+  gpu::Image own_depth_image_;
+  DepthPlace own_depth_;  ///< for shown views that differ from those of the frame's request
   DepthRing ring_;
   std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
   std::optional<CubeMaskFaces> faces_;  ///< set if the plan has a cube mask
@@ -148,8 +150,8 @@ class VulkanRenderer final : public Renderer {
   ShadingPass shading_;
   std::optional<RequestReprojectionPass> request_reprojection_;  ///< created at first use
   std::optional<TimewarpPass> timewarp_;                         ///< created at first use
-  DepthRing::Place shown_depth_;                                 ///< of the last drawn frame
-  std::optional<DepthRing::Place> requested_depth_;              ///< set if the depth pass must draw
+  DepthPlace shown_depth_;                                       ///< of the last drawn frame
+  std::optional<DepthPlace> requested_depth_;                    ///< set if the depth pass must draw
   ReadBack read_back_;
   gpu::Timestamps stamps_;
   DrawTimes times_;                              ///< of the frame so far
@@ -170,15 +172,17 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       motion_(scene, plan_.moves),
       frame_buffer_(gpu::make_mapped_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
-      ring_(device, limits.traced_size, limits.depth_frames),
+      own_depth_image_(make_depth_image(device, limits.traced_size, 1, "depth of shown views")),
+      own_depth_(made_readable(device, own_depth_image_)),
+      ring_(device, limits.traced_size, limits.depth_frames, DepthImages::Single),
       faces_(faces_of(device, scene, plan_, buffers_, frame_buffer_, limits.size, depth_pipelines_)),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
-      transfer_(device, gbuffer_, ring_, limits.size),
+      transfer_(device, gbuffer_, limits.size),
       bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
       masks_(device, plan_, bytes_),
-      shading_(device, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr}, masks_, frame_buffer_,
-               motion_, bytes_, limits.size),
-      shown_depth_(ring_.shown()),
+      shading_(device, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr, own_depth_}, masks_,
+               frame_buffer_, motion_, bytes_, limits.size),
+      shown_depth_(own_depth_),
       read_back_(device),
       stamps_(device, kAllStamps),
       commands_(device) {
@@ -247,14 +251,14 @@ void VulkanRenderer::make_depth_pass() {
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
 void VulkanRenderer::place_depth(const ShownFrame& frame) {
   requested_depth_.reset();
-  shown_depth_ = ring_.shown();
-  if (frame.request == nullptr) return;
+  shown_depth_ = own_depth_;
+  if (frame.request == nullptr || !reprojects_masks(plan_)) return;
   // In the views of a request less is hidden.
   const bool same = frame.request->views == frame.views &&
                     frame.request->scene_time == frame.state.scene_time &&
                     (frame.hidden == nullptr || !plan_.depth_pass);
   if (!same && !plan_.depth_pass) return;
-  const std::optional<DepthRing::Place> place = ring_.claim(frame.request->frame, frame.request_slot);
+  const std::optional<DepthPlace> place = ring_.claim(frame.request->frame, frame.request_slot);
   if (!place) return;
   if (same) {
     shown_depth_ = *place;
@@ -283,7 +287,7 @@ void VulkanRenderer::prepare_shading(const ShownFrame& frame) {
   if (frame.shadow_maps != nullptr) {
     ShadowMaps& maps = need_maps(*frame.shadow_maps);
     maps.prepare(frame.views, frame.state);
-    shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, maps);
+    shading_.prepare(shown_depth_, frame.views, frame.state.light_set, maps);
     return;
   }
   MasksInUse masks;
@@ -291,10 +295,11 @@ void VulkanRenderer::prepare_shading(const ShownFrame& frame) {
   for (const TracedMask& mask : frame.masks)
     if (masks.views.size() < most_masks(plan_) && (is_direct || ring_.has(mask.frame)))
       masks.views.push_back({mask, motion_since(mask, frame.state)});
+  if (reprojects_masks(plan_)) ring_.give_back_unused(frame.masks, most_masks(plan_));
   for (const TracedMask& mask : frame.cube_mask)
     if (masks.cube_mask.size() < most_cube_mask_pairs(plan_) && !is_direct && faces_->ring().has(mask.frame))
       masks.cube_mask.push_back({mask, motion_since(mask, frame.state)});
-  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.reprojection);
+  shading_.prepare(shown_depth_, frame.views, frame.state.light_set, masks, frame.reprojection);
 }
 
 /// The existing shadow maps if their settings match, otherwise new ones.
@@ -331,10 +336,9 @@ std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reproject
   if (depth_pass_) depth_pass_->prepare_warm_up();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
   std::vector<gpu::Recording> recordings{
-      [this](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); }};
+      [this](const auto& commands) { gbuffer_.record(commands, own_depth_); }};
   if (depth_pass_)
-    recordings.emplace_back(
-        [this](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
+    recordings.emplace_back([this](const auto& commands) { depth_pass_->record(commands, own_depth_); });
   if (reprojects_masks(plan_)) recordings.push_back(need_request_reprojection().warm_up());
   std::ranges::copy(shading_.warm_ups(reprojection, report, changes), std::back_inserter(recordings));
   std::vector<std::function<void()>> steps;
@@ -353,14 +357,14 @@ void VulkanRenderer::shade_again(const ShownFrame& frame) {
 void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
                                 const PerEye<HiddenArea>* hidden) {
   make_way_for(Part::Request);
-  const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
+  const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full,
                        hidden);
   record(Part::Request,
          [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
-           depth_pass_->record(commands, ring_, *place);
+           depth_pass_->record(commands, *place);
            next_stage();
          });
   times_.triangles.depth += depth_pass_->scene_pass().triangles();
@@ -368,14 +372,14 @@ void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, Pe
 }
 
 RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
-  if (!request_reprojection_) request_reprojection_.emplace(device_, plan_, ring_, traced_size_);
+  if (!request_reprojection_) request_reprojection_.emplace(device_, plan_, own_depth_, traced_size_);
   return *request_reprojection_;
 }
 
 bool VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
                                           const TracedMask* base, const PerEye<HiddenArea>* hidden) {
   if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return false;
-  const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
+  const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
   if (!place || (base != nullptr && !ring_.has(base->frame))) return false;
   std::optional<OwnedMask> unknown;
   const TracedMask from =
@@ -386,10 +390,11 @@ bool VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_
   make_way_for(Part::Request);
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
-  need_request_reprojection().prepare(request, *place, from, state.light_set, since);
+  need_request_reprojection().prepare(request, {.requested = *place, .base = ring_.place_of(from.frame)},
+                                      from, state.light_set, since);
   reprojected_ = record(
       Part::Request, [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
-        depth_pass_->record(commands, ring_, *place);
+        depth_pass_->record(commands, *place);
         next_stage();
         request_reprojection_->record(commands);
       });
@@ -423,9 +428,9 @@ void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
            if (stage == Stage::Received)
              transfer_.record(commands, shown_depth_);
            else if (stage != Stage::Shade)
-             gbuffer_.record(commands, ring_, shown_depth_);
+             gbuffer_.record(commands, shown_depth_);
            next_stage();
-           if (draws_depth) depth_pass_->record(commands, ring_, *requested_depth_);
+           if (draws_depth) depth_pass_->record(commands, *requested_depth_);
            if (draws_faces) faces_->record(commands);
            next_stage();
            if (frame.shadow_maps != nullptr) shadow_maps_->record(commands);
@@ -506,10 +511,10 @@ PerEye<Image<float>> VulkanRenderer::read_distance() {
   return result;
 }
 
-void VulkanRenderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) {
+void VulkanRenderer::read_distance(DepthPlace place, Extent size, PerEye<Image<float>>& into) {
   collect();
   const auto depths =
-      read_back_.read<float>(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
+      read_back_.read<float>(*place.image, vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     into[eye].size = size;
     into[eye].pixels.resize(size.pixels());

@@ -96,7 +96,7 @@ struct ShownFrame {
 struct RendererLimits {
   Extent size;                     ///< of a shown eye, pixels
   Extent traced_size;              ///< of a traced eye or of a picture to turn, at most
-  std::uint32_t depth_frames = 8;  ///< slots for the depth of requests
+  std::uint32_t depth_frames = 8;  ///< requests whose depth is kept, at most
 };
 
 /// An interface, so that its users need not know Vulkan. make_renderer makes it.

@@ -1,54 +1,61 @@
 #include "stereo/raster/depth_ring.h"
 
-#include <algorithm>
-
 #include "stereo/gpu/device.h"
 #include "stereo/raster/scene_pass.h"
 
 namespace farshade {
 
-DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t slots)
-    : image_(gpu::make_image(
-          device,
-          {.size = size,
-           .layers = static_cast<std::uint32_t>(kEyes) * (slots + 1),
-           .format = kDepthFormat,
-           .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eTransferSrc |
-                    vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
-           .use = gpu::Use::Depth},
-          "depth ring")),
-      slots_(slots + 1) {
-  for (std::uint32_t i = 0; i < slots_.size(); ++i)
-    slots_[i].view = gpu::view_layers(device, image_, {static_cast<std::uint32_t>(i * kEyes), kEyes});
+gpu::Image make_depth_image(const gpu::Device& device, Extent size, std::size_t pairs,
+                            const std::string& name) {
+  return gpu::make_image(
+      device,
+      {.size = size,
+       .layers = narrow<std::uint32_t>(kEyes * pairs),
+       .format = kDepthFormat,
+       .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eTransferSrc |
+                vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
+       .use = gpu::Use::Depth},
+      name);
+}
+
+DepthPlace made_readable(const gpu::Device& device, const gpu::Image& image) {
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
-    gpu::transition(commands, image_, vk::ImageLayout::eUndefined, vk::ImageLayout::eShaderReadOnlyOptimal);
+    gpu::transition(commands, image, vk::ImageLayout::eUndefined, vk::ImageLayout::eShaderReadOnlyOptimal);
   });
+  return {&image, 0, *image.view};
 }
 
-DepthRing::Place DepthRing::place(std::size_t slot) const {
-  return {static_cast<std::uint32_t>(slot * kEyes), *slots_[slot].view};
+DepthRing::DepthRing(const gpu::Device& device, Extent size, std::size_t slots, DepthImages images)
+    : device_(device),
+      size_(size),
+      slots_(slots),
+      places_per_image_(images == DepthImages::Shared ? slots : 1) {
+  if (images == DepthImages::Shared)
+    static_cast<void>(
+        made_readable(device, images_.emplace_back(make_depth_image(device, size, slots, "shared depth"))));
 }
 
-std::optional<std::size_t> DepthRing::slot_of(FrameId frame) const {
-  const auto slot = std::ranges::find(slots_, std::optional(frame), &Slot::frame);
-  if (slot == slots_.end()) return std::nullopt;
-  return static_cast<std::size_t>(slot - slots_.begin());
+DepthPlace DepthRing::place(std::size_t number) const {
+  return {&images_[number / places_per_image_], narrow<std::uint32_t>(number % places_per_image_ * kEyes),
+          *views_[number]};
 }
 
-std::optional<DepthRing::Place> DepthRing::claim(FrameId frame, std::size_t slot) {
-  if (slot + 1 >= slots_.size()) return std::nullopt;
-  slots_[slot].frame = frame;
-  return place(slot);
+std::optional<DepthPlace> DepthRing::claim(FrameId frame, std::size_t slot) {
+  const std::optional<std::size_t> number = slots_.claim(frame, slot);
+  if (!number) return std::nullopt;
+  while (images_.size() <= *number / places_per_image_)
+    images_.push_back(make_depth_image(device_, size_, places_per_image_, "depth of a request"));
+  while (views_.size() <= *number) {
+    const gpu::LayerRange layers{narrow<std::uint32_t>(views_.size() % places_per_image_ * kEyes), kEyes};
+    views_.push_back(gpu::view_layers(device_, images_[views_.size() / places_per_image_], layers));
+  }
+  return place(*number);
 }
 
-void DepthRing::forget() {
-  for (Slot& slot : slots_) slot.frame.reset();
-}
-
-std::uint32_t DepthRing::layer_of(FrameId frame) const {
-  const std::optional<std::size_t> slot = slot_of(frame);
-  check(slot.has_value(), "the ring has the frame whose layer is read");
-  return place(*slot).layer;
+DepthPlace DepthRing::place_of(FrameId frame) const {
+  const std::optional<std::size_t> number = slots_.find(frame);
+  check(number.has_value(), "the ring has the depth of the frame");
+  return place(*number);
 }
 
 }  // namespace farshade

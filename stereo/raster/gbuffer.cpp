@@ -37,19 +37,18 @@ GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const Dr
   });
 }
 
-void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
-                         const DepthRing::Place& place) const {
+void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const {
   const gpu::LayerRange layers{place.layer, kEyes};
   gpu::transition(commands, base_colors_, Layout::eUndefined, Layout::eColorAttachmentOptimal);
   gpu::transition(commands, surfaces_, Layout::eUndefined, Layout::eColorAttachmentOptimal);
-  gpu::transition(commands, ring.image(), Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
+  gpu::transition(commands, *place.image, Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
   const std::array colors{cleared(*base_colors_.view, Layout::eColorAttachmentOptimal),
                           cleared(*surfaces_.view, Layout::eColorAttachmentOptimal)};
   pass_.record(commands, size_, colors, cleared(place.view, Layout::eDepthAttachmentOptimal), 0, {},
                &hidden_);
   gpu::transition(commands, base_colors_, Layout::eColorAttachmentOptimal, Layout::eShaderReadOnlyOptimal);
   gpu::transition(commands, surfaces_, Layout::eColorAttachmentOptimal, Layout::eShaderReadOnlyOptimal);
-  gpu::transition(commands, ring.image(), Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
+  gpu::transition(commands, *place.image, Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
                   layers);
 }
 
@@ -67,14 +66,13 @@ void DepthPass::prepare(const StereoView& views, const SceneState& state, Detail
   hidden_.prepare(hidden, views);
 }
 
-void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
-                       const DepthRing::Place& place) const {
-  check(size_.width <= ring.size().width && size_.height <= ring.size().height,
-        "requested views fit the depth ring");
+void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const {
+  const Extent room = place.image->spec.size;
+  check(size_.width <= room.width && size_.height <= room.height, "requested views fit the image");
   const gpu::LayerRange layers{place.layer, kEyes};
-  gpu::transition(commands, ring.image(), Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
+  gpu::transition(commands, *place.image, Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
   pass_.record(commands, size_, {}, cleared(place.view, Layout::eDepthAttachmentOptimal), 0, {}, &hidden_);
-  gpu::transition(commands, ring.image(), Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
+  gpu::transition(commands, *place.image, Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
                   layers);
 }
 

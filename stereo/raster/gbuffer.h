@@ -1,5 +1,5 @@
 /// GBufferPass draws base colours, normals and instances of the shown views, both eyes, and their depth into
-/// a place of the depth ring. DepthPass draws the depth of requested views that are not shown.
+/// an image that is given. DepthPass draws the depth of requested views that are not shown.
 #pragma once
 
 #include "stereo/raster/depth_ring.h"
@@ -20,9 +20,8 @@ class GBufferPass {
     hidden_.prepare(hidden, views);
   }
 
-  /// Draws, with depth into `place` of `ring`. Afterwards shaders can read both images and the place.
-  void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
-              const DepthRing::Place& place) const;
+  /// Draws, with depth into `place`. Afterwards shaders can read both images and the place.
+  void record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const;
 
   void prepare_warm_up() {
     pass_.prepare_warm_up();
@@ -51,13 +50,12 @@ class DepthPass {
 
   void prepare_warm_up();
 
-  /// Both views have one size, which is at most the ring's. `hidden` as in GBufferPass.
+  /// Both views have one size, which is at most that of the place. `hidden` as in GBufferPass.
   void prepare(const StereoView& views, const SceneState& state, Detail detail,
                const PerEye<HiddenArea>* hidden = nullptr);
 
-  /// Draws into `place` of `ring`. Afterwards shaders can read it.
-  void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
-              const DepthRing::Place& place) const;
+  /// Draws into `place`. Afterwards shaders can read it.
+  void record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const;
 
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
   [[nodiscard]] const HiddenPass& hidden_pass() const { return hidden_; }

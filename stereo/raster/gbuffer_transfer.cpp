@@ -22,10 +22,10 @@ vk::BufferImageCopy copy_of(const Part& part, Extent size) {
           .imageExtent = {size.width, size.height, 1}};
 }
 
-std::array<Part, 3> parts_of(const GBufferPass& gbuffer, const DepthRing& ring, const DepthRing::Place& place,
-                             std::size_t normals, std::size_t depths) {
+std::array<Part, 3> parts_of(const GBufferPass& gbuffer, const DepthPlace& place, std::size_t normals,
+                             std::size_t depths) {
   return {Part{gbuffer.base_colors(), {0, kEyes}, 0}, Part{gbuffer.surfaces(), {0, kEyes}, normals},
-          Part{ring.image(), {place.layer, kEyes}, depths}};
+          Part{*place.image, {place.layer, kEyes}, depths}};
 }
 
 void make_fit(PixelPlane& plane, Extent size, std::uint32_t word_bytes) {
@@ -56,11 +56,11 @@ GBufferTransfer::Layout GBufferTransfer::layout() const {
   return layout;
 }
 
-void GBufferTransfer::read(const DepthRing::Place& place, GBufferPlanes& planes) {
+void GBufferTransfer::read(const DepthPlace& place, GBufferPlanes& planes) {
   const Layout at = layout();
   if (readback_.bytes == 0) readback_ = gpu::make_readback_buffer(device_, at.bytes, "G-buffer read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    for (const Part& part : parts_of(gbuffer_, ring_, place, at.normals, at.depths)) {
+    for (const Part& part : parts_of(gbuffer_, place, at.normals, at.depths)) {
       const auto rest = ImageLayout::eShaderReadOnlyOptimal, source = ImageLayout::eTransferSrcOptimal;
       gpu::transition(commands, part.image, rest, source, part.layers);
       commands.copyImageToBuffer(*part.image.image, source, *readback_.buffer, copy_of(part, size_));
@@ -83,12 +83,12 @@ void GBufferTransfer::read(const DepthRing::Place& place, GBufferPlanes& planes)
   }
 }
 
-GBufferTransfer::Pixel GBufferTransfer::read(const DepthRing::Place& place, Side side, glm::uvec2 pixel) {
+GBufferTransfer::Pixel GBufferTransfer::read(const DepthPlace& place, Side side, glm::uvec2 pixel) {
   check(pixel.x < size_.width && pixel.y < size_.height, "the pixel is in the picture");
   constexpr std::size_t depth = 4, surface = 8, bytes = 16;  // a surface of two words is aligned to both
   if (pixel_.bytes == 0) pixel_ = gpu::make_readback_buffer(device_, bytes, "pixel read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    for (const Part& part : parts_of(gbuffer_, ring_, place, surface, depth)) {
+    for (const Part& part : parts_of(gbuffer_, place, surface, depth)) {
       const auto rest = ImageLayout::eShaderReadOnlyOptimal, source = ImageLayout::eTransferSrcOptimal;
       vk::BufferImageCopy copy = copy_of(part, {1, 1});
       copy.imageSubresource.baseArrayLayer += narrow<std::uint32_t>(index_of(side));
@@ -128,9 +128,9 @@ void GBufferTransfer::prepare(const GBufferPlanes& planes) {
   }
 }
 
-void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const DepthRing::Place& place) const {
+void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const {
   const Layout at = layout();
-  for (const Part& part : parts_of(gbuffer_, ring_, place, at.normals, at.depths)) {
+  for (const Part& part : parts_of(gbuffer_, place, at.normals, at.depths)) {
     const auto target = ImageLayout::eTransferDstOptimal;
     gpu::transition(commands, part.image, ImageLayout::eUndefined, target, part.layers);
     commands.copyBufferToImage(*upload_.buffer, *part.image.image, target, copy_of(part, size_));

@@ -10,11 +10,11 @@ namespace farshade {
 class GBufferTransfer {
  public:
   /// Keeps the references. Allocates no memory before its first use.
-  GBufferTransfer(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring, Extent size)
-      : device_(device), gbuffer_(gbuffer), ring_(ring), size_(size) {}
+  GBufferTransfer(const gpu::Device& device, const GBufferPass& gbuffer, Extent size)
+      : device_(device), gbuffer_(gbuffer), size_(size) {}
 
   /// Copies what was drawn last, with its depth in `place`, to `planes`. Reuses their memory.
-  void read(const DepthRing::Place& place, GBufferPlanes& planes);
+  void read(const DepthPlace& place, GBufferPlanes& planes);
 
   struct Pixel {
     std::uint32_t normal = 0;    ///< as packed by gbuffer.frag
@@ -22,14 +22,14 @@ class GBufferTransfer {
     float depth = 0;
   };
   /// One pixel of what was drawn last. Waits for the copy.
-  [[nodiscard]] Pixel read(const DepthRing::Place& place, Side side, glm::uvec2 pixel);
+  [[nodiscard]] Pixel read(const DepthPlace& place, Side side, glm::uvec2 pixel);
 
   /// Prepares `record` with planes of the pass's size. A pixel whose depth is NaN, below 0 or above 1 counts
   /// as not covered.
   void prepare(const GBufferPlanes& planes);
 
   /// Fills the images and `place` as if they had been drawn.
-  void record(const vk::raii::CommandBuffer& commands, const DepthRing::Place& place) const;
+  void record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const;
 
  private:
   /// Offsets in a buffer with both eyes' layers of all images.
@@ -41,7 +41,6 @@ class GBufferTransfer {
 
   const gpu::Device& device_;
   const GBufferPass& gbuffer_;
-  const DepthRing& ring_;
   Extent size_;
   gpu::Buffer readback_, pixel_, upload_;  ///< allocated at first use
 };

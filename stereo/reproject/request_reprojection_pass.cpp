@@ -19,17 +19,17 @@ namespace {
 std::vector<gpu::BindingKind> request_reprojection_set() {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
-  const gpu::BindingKind uniform{Type::eUniformBuffer, compute}, storage{Type::eStorageBuffer, compute};
-  return {uniform, uniform, storage, {Type::eCombinedImageSampler, compute}, storage, storage};
+  const gpu::BindingKind uniform{Type::eUniformBuffer, compute}, storage{Type::eStorageBuffer, compute},
+      texture{Type::eCombinedImageSampler, compute};
+  return {uniform, uniform, storage, texture, storage, storage, texture};
 }
 
 }  // namespace
 
 RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, const DrawPlan& plan,
-                                                 const DepthRing& ring, Extent traced_size)
+                                                 const DepthPlace& any_depth, Extent traced_size)
     : device_(device),
       plan_(plan),
-      ring_(ring),
       frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested frame",
                                             gpu::Use::Frame)),
@@ -49,17 +49,22 @@ RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, cons
   gpu::bind_buffer(device_, bindings_, 0, frame_buffer_);
   gpu::bind_buffer(device_, bindings_, 1, light_buffer_);
   gpu::bind_buffer(device_, bindings_, 2, quads_);
-  gpu::bind_image(device_, bindings_, 3,
-                  {*ring_.image().view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_buffer(device_, bindings_, 4, reprojected_);
   gpu::bind_buffer(device_, bindings_, 5, unknown_);
+  bind({any_depth, any_depth});
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
                                                  .pSetLayouts = &*bindings_.layout,
                                                  .pushConstantRangeCount = 1,
                                                  .pPushConstantRanges = &kShownEye});
 }
 
-void RequestReprojectionPass::prepare(const FrameMoment& request, const DepthRing::Place& place,
+void RequestReprojectionPass::bind(const Depths& depths) {
+  const auto read = vk::ImageLayout::eShaderReadOnlyOptimal;
+  gpu::bind_image(device_, bindings_, 3, {depths.requested.view, read, *nearest_});
+  gpu::bind_image(device_, bindings_, 6, {depths.base.view, read, *nearest_});
+}
+
+void RequestReprojectionPass::prepare(const FrameMoment& request, const Depths& depths,
                                       const TracedMask& base, const LightSet& lights, const Motion& since) {
   check(request.views[0].size == request.views[1].size, "both eyes of a request have one size");
   gpu::FrameData frame{};
@@ -67,17 +72,17 @@ void RequestReprojectionPass::prepare(const FrameMoment& request, const DepthRin
     frame.eye[eye] = eye_data(request.views[eye]);
     gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES];
     source = source_data(pose_delta(request.views[eye], {}, base.views[eye], {}), base.views[eye]);
-    source.place = {ring_.layer_of(base.frame) + eye, eye * quad_bytes_ / 4, 0, 0};
+    source.place = {eye, eye * quad_bytes_ / 4, 0, 0};
     const EyeMask& bits = base.masks[eye];
     check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
     const std::size_t bytes = quad_bytes(bits.size(), bits.layout());
     check(bytes <= quad_bytes_, "a mask has at most the traced size");
     write_quads(base, eye, quads_.as<std::byte>().subspan(eye * quad_bytes_, bytes));
   }
-  frame.counts.y = place.layer;
   const std::array<const Motion*, 1> motions{&since};
   write_stale(request.views, {.masks = motions}, frame);
   size_ = request.views[0].size;
+  bind(depths);
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
     light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i], lights.exposure);

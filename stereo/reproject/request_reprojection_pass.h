@@ -16,14 +16,18 @@ namespace farshade {
 
 class RequestReprojectionPass {
  public:
-  /// Requested views have at most `traced_size` pixels. Keeps the references.
-  RequestReprojectionPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring,
+  /// Requested views have at most `traced_size` pixels. `any_depth` is bound before the first frame. Keeps
+  /// the references.
+  RequestReprojectionPass(const gpu::Device& device, const DrawPlan& plan, const DepthPlace& any_depth,
                           Extent traced_size);
 
-  /// Prepares to reproject `base` to the views of `request`, whose depth will lie at `place`. The ring has
-  /// the depth of the base. `lights` are those of the request, `since` is what has moved since the base was
-  /// traced.
-  void prepare(const FrameMoment& request, const DepthRing::Place& place, const TracedMask& base,
+  /// The depth of the views of a request, once it is drawn, and that of the mask's views.
+  struct Depths {
+    DepthPlace requested, base;
+  };
+  /// Prepares to reproject `base` to the views of `request`. `lights` are those of the request, `since` is
+  /// what has moved since the base was traced. The device has finished the last `record`.
+  void prepare(const FrameMoment& request, const Depths& depths, const TracedMask& base,
                const LightSet& lights, const Motion& since);
 
   /// Creates the pipeline. The result runs it for masks of no pixels.
@@ -39,10 +43,10 @@ class RequestReprojectionPass {
 
  private:
   const vk::raii::Pipeline& need_pipeline();
+  void bind(const Depths& depths);
 
   const gpu::Device& device_;
   const DrawPlan& plan_;
-  const DepthRing& ring_;
   gpu::Buffer frame_buffer_, light_buffer_;
   std::size_t quad_bytes_;             ///< of one eye
   gpu::Buffer quads_;                  ///< of the base

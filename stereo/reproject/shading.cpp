@@ -30,7 +30,10 @@ std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
       texture{Type::eCombinedImageSampler, compute};
   std::vector<gpu::BindingKind> kinds{uniform, uniform, kStorage, kStorage,
                                       texture, texture, texture,  {Type::eStorageImage, compute}};
-  if (bytes.lists > 0) kinds.insert(kinds.end(), {kStorage, texture});
+  if (bytes.lists > 0) {
+    kinds.insert(kinds.end(), {kStorage, texture});
+    kinds.insert(kinds.end(), kMaxMasks, texture);
+  }
   if (bytes.motions > 0) kinds.insert(kinds.end(), 2, kStorage);
   return kinds;
 }
@@ -114,19 +117,22 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   for (const gpu::Buffer* buffer :
        {&std::as_const(light_buffer_), &device_masks_.words(), &device_masks_.known_blocks()})
     gpu::bind_buffer(device_, bindings_, binding++, *buffer);
-  for (const gpu::Image* image : {&depths_.views.image(), &gbuffer.base_colors(), &gbuffer.surfaces()})
+  check_eq(binding++, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
+  for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
     gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
   if (hard_buffer_.bytes > 0) {
     gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
-    const DepthRing& faces =
-        depths_.faces ? *depths_.faces : depths_.views;  // without a cube mask it is not read
-    gpu::bind_image(device_, bindings_, binding++,
-                    {*faces.image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
+    // Without a cube mask its depth is not read.
+    const gpu::Image& faces = depths_.faces ? depths_.faces->images().front() : *depths_.any.image;
+    gpu::bind_image(device_, bindings_, binding++, {*faces.view, Layout::eShaderReadOnlyOptimal, *nearest_});
+    check_eq(binding, std::uint32_t{FARSHADE_BINDING_MASK_DEPTHS}, "first binding of the depth of masks");
+    binding += kMaxMasks;
   }
   for (const gpu::Buffer* buffer : {&motion_slots_, &motion_buffer_})
     if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
+  bind_depths(depths_.any, {});
 }
 
 /// Writes the sources of each shown eye: the masks traced for it and, if used, those for the other eye.
@@ -137,14 +143,13 @@ void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMa
   for (std::size_t m = 0; m < masks.size(); ++m) {
     const TracedMask& mask = masks[m].mask;
     whole_ &= held[m].whole;
-    const std::size_t layer = depths_.views.has(mask.frame) ? depths_.views.layer_of(mask.frame) : 0;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::size_t traced = 0; traced < kEyes; ++traced) {
         if (traced != eye && !other_eye_) continue;
         const std::size_t i = m + (traced == eye ? 0 : kMaxMasks);
         gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + i];
         source = source_data(pose_delta(views[eye], {}, mask.views[traced], {}), mask.views[traced]);
-        source.place = device_masks_.place(held[m], traced, layer);
+        source.place = device_masks_.place(held[m], traced, 0);
       }
   }
 }
@@ -162,7 +167,7 @@ void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask
       for (std::size_t face = 0; face < kEyes; ++face) {
         gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + kFirstFace + m * kEyes + face];
         source = source_data(pose_delta(views[eye], {}, mask.views[face], {}), mask.views[face]);
-        source.place = device_masks_.place(held[m], face, depths_.faces->layer_of(mask.frame));
+        source.place = device_masks_.place(held[m], face, depths_.faces->place_of(mask.frame).layer);
       }
   }
 }
@@ -178,7 +183,7 @@ void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks,
     write_motions(views, since, slot, motion_buffer_.as<glm::mat4>());
 }
 
-void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                           const MasksInUse& in_use, const Reprojection& reprojection) {
   const std::span<const DatedMask> masks = in_use.views;
   check(masks.size() <= most_masks(plan_) && in_use.cube_mask.size() <= most_cube_mask_pairs(plan_),
@@ -196,7 +201,7 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   masks_ = masks.size();
   faces_ = in_use.cube_mask.size() * kEyes;
   write_motion(views, in_use, frame);
-  frame.counts.y = shown_layer;
+  bind_depths(shown, masks);
   if (!masks.empty()) {
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
     frame.counts.z = delta.angle_rad < kMeaninglessTurn_rad;

@@ -31,7 +31,8 @@ struct MasksInUse {
 /// The depth of the views that masks were requested for.
 struct MaskDepths {
   const DepthRing& views;
-  const DepthRing* faces = nullptr;  ///< of the cube mask; null if the plan has none
+  const DepthRing* faces = nullptr;  ///< of the cube mask, in one image; null if the plan has none
+  DepthPlace any;                    ///< bound for masks that a frame does not have
 };
 
 class ShadingPass {
@@ -42,13 +43,14 @@ class ShadingPass {
               const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
-  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's
-  /// shown depth is in layer `shown_layer`. If the plan does not reproject masks, the lookup is Direct.
-  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The depth of
+  /// `views` will be `shown`, the first layers of an image. If the plan does not reproject masks, the lookup
+  /// is Direct. The device has finished the last `record`.
+  void prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                const MasksInUse& masks, const Reprojection& reprojection);
 
   /// The same with shadows from `maps`, which must exist until `record` and be readable by shaders there.
-  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+  void prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                const ShadowMaps& maps);
 
   /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of
@@ -75,6 +77,8 @@ class ShadingPass {
   void assume_nothing();
   void make_buffers(const MotionModel& motion);
   void make_sets(const GBufferPass& gbuffer);
+  void bind_depths(const DepthPlace& shown, std::span<const DatedMask> masks);
+  void bind_depth(std::uint32_t binding, vk::ImageView view);
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void write_faces(const StereoView& views, std::span<const DatedMask> cube_mask, gpu::FrameData& frame);
   void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
@@ -102,7 +106,8 @@ class ShadingPass {
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
-  gpu::Bindings report_bindings_;  ///< the last set; empty until a report is requested
+  std::map<std::uint32_t, vk::ImageView> bound_depths_;  ///< by binding
+  gpu::Bindings report_bindings_;                        ///< the last set; empty until a report is requested
   std::map<std::size_t, vk::raii::PipelineLayout> layouts_;  ///< by the sets that they contain
   ShadingPipelines pipelines_;
   // State of the frame that was prepared last.

@@ -39,7 +39,26 @@ std::size_t ShadingPass::bindings() const {
   return bindings_.kinds.size() + report_bindings_.kinds.size();
 }
 
-void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+void ShadingPass::bind_depth(std::uint32_t binding, vk::ImageView view) {
+  vk::ImageView& bound = bound_depths_[binding];
+  if (bound == view) return;
+  bound = view;
+  gpu::bind_image(device_, bindings_, binding, {view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
+}
+
+/// Binds the depth that the next `record` reads. The only writer of a set that was in use: the device must
+/// have finished with it. Writes only what differs from the last frame.
+void ShadingPass::bind_depths(const DepthPlace& shown, std::span<const DatedMask> masks) {
+  bind_depth(FARSHADE_BINDING_SHOWN_DEPTH, shown.view);
+  if (!reprojects_masks(plan_)) return;
+  for (std::uint32_t m = 0; m < kMaxMasks; ++m) {
+    const bool has_depth = m < masks.size() && depths_.views.has(masks[m].mask.frame);
+    const DepthPlace& place = has_depth ? depths_.views.place_of(masks[m].mask.frame) : depths_.any;
+    bind_depth(FARSHADE_BINDING_MASK_DEPTHS + m, place.view);
+  }
+}
+
+void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                           const ShadowMaps& maps) {
   check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
   maps_ = &maps;
@@ -49,7 +68,7 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   whole_ = true;
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
-  frame.counts.y = shown_layer;
+  bind_depths(shown, {});
   write_frame(views, lights, frame);
 }
 

@@ -144,7 +144,7 @@ const std::array kLadder{
 TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
   const Cost counters = drawn(scene_with({}));
   EXPECT_EQ(counters.pipelines, 1u + 1u + 2u) << "G-buffer, depth, the easy and the hard pass";
-  EXPECT_EQ(counters.bindings, 2u + 1u + 10u);
+  EXPECT_EQ(counters.bindings, 2u + 1u + 10u + kMaxMasks) << "the depth of each mask is an image";
   EXPECT_EQ(counters.vertex_bytes, kCorners * 16 + 8) << "indices of two bytes, padded";
   EXPECT_EQ(counters.triangles.gbuffer, kBothEyes);
   EXPECT_EQ(counters.triangles.depth, kBothEyes);
@@ -183,8 +183,8 @@ TEST_F(Economy, MasksTakeTheNarrowestWords) {
 TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToReprojectThem) {
   const Cost reprojected = drawn(scene_with({})), fitting = drawn(scene_with({}), {.reprojects = false});
   EXPECT_EQ(fitting.pipelines, 1u + 1u) << "G-buffer, and one pass for both eyes";
-  EXPECT_EQ(fitting.bindings, reprojected.bindings - 3)
-      << "the depth pass, the list of hard pixels, and the cube mask";
+  EXPECT_EQ(fitting.bindings, reprojected.bindings - 3 - kMaxMasks)
+      << "the depth pass, the list of hard pixels, the cube mask, and the depth of masks";
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
   EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, reprojected.memory.now[Use::GBuffer] * 2);
   EXPECT_LE(fitting.memory.now[Use::Masks] * 4, reprojected.memory.now[Use::Masks] + 1024);
@@ -346,7 +346,8 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
                    .request = &second,
                    .masks = masks,
                    .reprojection = {},
-                   .report = PixelReport::On});
+                   .report = PixelReport::On,
+                   .request_slot = 1});
     Shown result{renderer.read_shown(), {renderer.report(Side::Left), renderer.report(Side::Right)}};
     return {std::move(result), renderer.counters()};
   }
@@ -362,7 +363,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
 
   Scene scene_ = load_scene(GetParam()).value();
   Rigid<Stage, Head> head_ = head_at_camera(scene_);
-  RendererLimits limits_{{kSide_px, kSide_px}, {kSide_px + 32, kSide_px + 32}, 4};
+  RendererLimits limits_{{kSide_px, kSide_px}, {kSide_px + 32, kSide_px + 32}, 3};  ///< requests: as drawn
 };
 
 void expect_the_same(const Shown& a, const Shown& b) {
