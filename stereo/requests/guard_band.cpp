@@ -77,7 +77,8 @@ View widened(const View& view, const Sides<std::uint32_t>& margins_px) {
 }
 
 Extent largest_traced(Extent size) {
-  return {size.width + most_px(size.width), size.height + most_px(size.height)};
+  const auto largest = [](std::uint32_t side) { return std::min(side + most_px(side), kMaxViewSide_px); };
+  return {largest(size.width), largest(size.height)};
 }
 
 Sides<std::uint32_t> reduced_to_fit(const StereoView& views, const Sides<std::uint32_t>& needed_px,

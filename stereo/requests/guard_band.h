@@ -27,7 +27,7 @@ inline constexpr double kNearest_m = 1;
 /// `view` with whole pixels added on each side. The pixel grid stays the same.
 [[nodiscard]] View widened(const View& view, const Sides<std::uint32_t>& margins_px);
 
-/// The largest size that a guard band gives to views of `size`.
+/// The largest size that a guard band gives to valid views of `size`.
 [[nodiscard]] Extent largest_traced(Extent size);
 
 /// The part of the needed margins with which both views stay valid and have at most `most_pixels` pixels

@@ -317,6 +317,7 @@ TEST(GuardBand, StaysWithinTheLargestTracedSizeInWholeSteps) {
   }
   EXPECT_TRUE(reached);
   EXPECT_EQ(largest_traced({512, 256}), (Extent{640, 320})) << "a quarter larger";
+  EXPECT_EQ(largest_traced({7000, 8192}), (Extent{8192, 8192})) << "but no larger than a view may be";
 }
 
 }  // namespace
