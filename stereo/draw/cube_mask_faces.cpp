@@ -3,7 +3,7 @@
 namespace farshade {
 
 CubeMaskFaces::CubeMaskFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                             const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
+                             const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size,
                              std::shared_ptr<ScenePipelines> pipelines)
     : device_(device),
       scene_(scene),

@@ -15,7 +15,7 @@ class CubeMaskFaces {
   /// For shown views of `size`. Keeps the references. If the plan does not build late, the passes exist at
   /// once. They share `pipelines` with the other depth passes.
   CubeMaskFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
+                const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size,
                 std::shared_ptr<ScenePipelines> pipelines);
 
   /// Chooses where the depth of the requested pairs of a frame goes, and prepares `record`.
@@ -38,7 +38,7 @@ class CubeMaskFaces {
   const Scene& scene_;
   const DrawPlan& plan_;
   const SceneBuffers& buffers_;
-  const gpu::Buffer& frame_buffer_;
+  const gpu::UploadBuffer& frame_buffer_;
   std::shared_ptr<ScenePipelines> pipelines_;
   DepthRing ring_;
   std::vector<DepthPass> passes_;   ///< created at first use

@@ -20,14 +20,14 @@ class ReadBack {
                           Extent size) {
     static_assert(sizeof(T) == 4);
     copy(image, layout, first_layer, size);
-    return std::as_const(buffer_).as<const T>();
+    return buffer_.as<T>();
   }
 
  private:
   void copy(const gpu::Image& image, vk::ImageLayout layout, std::uint32_t first_layer, Extent size);
 
   const gpu::Device& device_;
-  gpu::Buffer buffer_;  ///< grows as needed
+  gpu::ReadbackBuffer buffer_;  ///< grows as needed
 };
 
 }  // namespace farshade

@@ -45,8 +45,8 @@ class AddedTime {
 };
 
 std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                                      const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
-                                      const std::shared_ptr<ScenePipelines>& pipelines) {
+                                      const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
+                                      Extent size, const std::shared_ptr<ScenePipelines>& pipelines) {
   if (most_cube_mask_pairs(plan) == 0) return std::nullopt;
   return std::optional<CubeMaskFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
 }
@@ -135,7 +135,7 @@ class VulkanRenderer final : public Renderer {
   Extent size_, traced_size_;
   SceneBuffers buffers_;
   MotionModel motion_;
-  gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
+  gpu::UploadBuffer frame_buffer_;  ///< one FrameData for all passes
   gpu::Image own_depth_image_;
   DepthPlace own_depth_;  ///< for shown views that differ from those of the frame's request
   DepthRing ring_;
@@ -170,7 +170,7 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       traced_size_(limits.traced_size),
       buffers_(make_scene_buffers(device, scene, plan_, levels)),
       motion_(scene, plan_.moves),
-      frame_buffer_(gpu::make_mapped_buffer(
+      frame_buffer_(gpu::make_upload_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       own_depth_image_(make_depth_image(device, limits.traced_size, 1, "depth of shown views")),
       own_depth_(made_readable(device, own_depth_image_)),
@@ -334,7 +334,7 @@ std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reproject
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
-  frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
+  frame_buffer_.write(0, gpu::FrameData{});  // pictures of no pixels
   std::vector<gpu::Recording> recordings{
       [this](const auto& commands) { gbuffer_.record(commands, own_depth_); }};
   if (depth_pass_)

@@ -45,10 +45,13 @@ Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags
   result.memory = std::move(allocation.memory);
   result.charge = std::move(allocation.charge);
   result.buffer.bindMemory(*result.memory, 0);
-  if (memory.begin()[0] & Property::eHostVisible)
-    result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
   set_name(device, result.buffer, name);
   return result;
+}
+
+MappedBuffer mapped(Buffer buffer) {
+  auto* const bytes = static_cast<std::byte*>(buffer.memory.mapMemory(0, VK_WHOLE_SIZE));
+  return {std::move(buffer), bytes};
 }
 
 constexpr vk::MemoryPropertyFlags kHost = Property::eHostVisible | Property::eHostCoherent;
@@ -126,24 +129,27 @@ vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerR
                                                               .layerCount = layers.count}});
 }
 
-Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                          const std::string& name, Use use) {
-  return make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name, use);
+UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
+                                const std::string& name, Use use) {
+  return UploadBuffer(StagingBuffer(
+      mapped(make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name, use))));
 }
 
-Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name, Use use) {
-  return make_buffer(device, bytes,
-                     vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eStorageBuffer,
-                     {kHost | Property::eHostCached, kHost}, name, use);
+StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name) {
+  return StagingBuffer(
+      mapped(make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging)));
+}
+
+ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
+                                    Use use) {
+  return ReadbackBuffer(mapped(make_buffer(
+      device, bytes, vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eStorageBuffer,
+      {kHost | Property::eHostCached, kHost}, name, use)));
 }
 
 Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                           const std::string& name, Use use) {
   return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name, use);
-}
-
-Buffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name) {
-  return make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging);
 }
 
 Image make_image(const Device& device, const ImageSpec& spec, const std::string& name) {

@@ -1,5 +1,6 @@
-/// Buffers and images with their memory. Each has one allocation, except textures, which share a few.
-/// Mapped buffers hold what changes every frame. All other buffers and images are in device-local memory.
+/// Buffers and images with their memory. Each has one allocation, except textures, which share a few. The
+/// type of a buffer says who writes it: the host never reads what it writes (UploadBuffer, StagingBuffer),
+/// and never writes what it reads (ReadbackBuffer). All other buffers and images are in device-local memory.
 #pragma once
 
 #include <cstddef>
@@ -7,6 +8,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/extent.h"
+#include "stereo/base/write_only.h"
 #include "stereo/gpu/device.h"
 
 namespace farshade::gpu {
@@ -16,31 +18,88 @@ struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
   std::size_t bytes = 0;
-  std::byte* mapped = nullptr;  ///< coherent; null for device buffers
+};
+
+/// A buffer whose memory is mapped and coherent.
+struct MappedBuffer {
+  Buffer buffer;
+  std::byte* bytes = nullptr;
+};
+
+/// Host memory from which the device copies to other buffers and images.
+class StagingBuffer : public Buffer {
+ public:
+  StagingBuffer() = default;
+  explicit StagingBuffer(MappedBuffer mapped) : Buffer(std::move(mapped.buffer)), mapped_(mapped.bytes) {}
 
   template <class T>
-  [[nodiscard]] std::span<T> as() const {
-    check(mapped != nullptr, "the host accesses mapped buffers only");
-    return {reinterpret_cast<T*>(mapped), bytes / sizeof(T)};
+  [[nodiscard]] WriteOnly<T> view() const {
+    return WriteOnly<std::byte>(std::span(mapped_, bytes)).as<T>();
   }
+
+ private:
+  std::byte* mapped_ = nullptr;
+};
+
+/// Written by the host every frame, read by the device.
+class UploadBuffer {
+ public:
+  UploadBuffer() = default;
+  explicit UploadBuffer(StagingBuffer mapped) : host_(std::move(mapped)) {}
+
+  /// What the device reads.
+  [[nodiscard]] const Buffer& buffer() const { return host_; }
+  [[nodiscard]] std::size_t bytes() const { return host_.bytes; }
+
+  /// All elements, or some of them.
+  template <class T>
+  [[nodiscard]] WriteOnly<T> view() {
+    return view<T>(0, bytes() / sizeof(T));
+  }
+  template <class T>
+  [[nodiscard]] WriteOnly<T> view(std::size_t first, std::size_t count) {
+    return host_.view<T>().part(first, count);
+  }
+  template <class T>
+  void write(std::size_t i, const T& value) {
+    view<T>(i, 1).write(0, value);
+  }
+
+ private:
+  StagingBuffer host_;
+};
+
+/// Written by the device, read by the host.
+class ReadbackBuffer : public Buffer {
+ public:
+  ReadbackBuffer() = default;
+  explicit ReadbackBuffer(MappedBuffer mapped) : Buffer(std::move(mapped.buffer)), mapped_(mapped.bytes) {}
+
+  template <class T>
+  [[nodiscard]] std::span<const T> as() const {
+    return {reinterpret_cast<const T*>(mapped_), bytes / sizeof(T)};
+  }
+
+ private:
+  const std::byte* mapped_ = nullptr;
 };
 
 // All functions below throw when the device has no memory or no allocation left.
 
-/// Written by the host every frame, read by the device. A size below 16 bytes is rounded up to 16.
-[[nodiscard]] Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                                        const std::string& name, Use use = Use::Other);
+/// A size below 16 bytes is rounded up to 16.
+[[nodiscard]] UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes,
+                                              vk::BufferUsageFlags usage, const std::string& name,
+                                              Use use = Use::Other);
 
-/// Written by the device, read by the host.
-[[nodiscard]] Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
-                                          Use use = Use::ReadBack);
+[[nodiscard]] StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes,
+                                                const std::string& name);
+
+[[nodiscard]] ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes,
+                                                  const std::string& name, Use use = Use::ReadBack);
 
 /// Written and read by the device only.
 [[nodiscard]] Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                                         const std::string& name, Use use = Use::Other);
-
-/// Host memory from which the device copies to other buffers and images.
-[[nodiscard]] Buffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name);
 
 struct ImageSpec {
   Extent size;

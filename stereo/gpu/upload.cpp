@@ -1,7 +1,6 @@
 #include "stereo/gpu/upload.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace farshade::gpu {
 
@@ -13,7 +12,7 @@ void BufferUpload::write(const Buffer& target, std::size_t offset, std::span<con
   while (!content.empty()) {
     if (used_ == staging_.bytes) flush();
     const std::size_t size = std::min(content.size(), staging_.bytes - used_);
-    std::memcpy(staging_.mapped + used_, content.data(), size);
+    staging_.view<std::byte>().part(used_, size).copy(content.first(size));
     copies_.push_back({*target.buffer, {.srcOffset = used_, .dstOffset = offset, .size = size}});
     used_ += size;
     offset += size;
@@ -49,8 +48,10 @@ ImageGroup make_textures(const Device& device, std::span<const TextureSize> size
 void fill_texture(const Device& device, const Image& texture, std::span<const std::byte> largest,
                   std::span<const std::byte> smaller) {
   using Layout = vk::ImageLayout;
-  const Buffer staging = make_staging_buffer(device, largest.size() + smaller.size(), "texture staging");
-  std::ranges::copy(smaller, std::ranges::copy(largest, static_cast<std::byte*>(staging.mapped)).out);
+  const StagingBuffer staging =
+      make_staging_buffer(device, largest.size() + smaller.size(), "texture staging");
+  staging.view<std::byte>().copy(largest);
+  staging.view<std::byte>().part(largest.size(), smaller.size()).copy(smaller);
   std::vector<vk::BufferImageCopy> copies;
   std::size_t offset = 0;
   for (std::uint32_t mip = 0; mip < texture.spec.mip_levels; ++mip) {

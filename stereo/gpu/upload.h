@@ -28,7 +28,7 @@ class BufferUpload {
     vk::BufferCopy region;
   };
   const Device& device_;
-  Buffer staging_;
+  StagingBuffer staging_;
   std::size_t used_ = 0;  ///< bytes of the staging buffer
   std::vector<Copy> copies_;
 };

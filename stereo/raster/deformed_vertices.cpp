@@ -26,15 +26,24 @@ std::size_t poses_of(const DrawPlan& plan) {
   return 1u + (plan.depth_pass ? 1u : 0u) + (most_cube_mask_pairs(plan) > 0 ? 1u : 0u);
 }
 
-/// Writes an instance's vertices in the pose of its rig to their place in `bytes`.
-void deform(const Mesh& mesh, const RigPose& rig, std::span<std::byte> bytes,
-            DeformedVertices::Place& place) {
-  // The device's memory may be slow to read, and the box needs all positions.
+/// Where an instance's vertices go.
+struct Streams {
+  WriteOnly<glm::vec3> positions;
+  WriteOnly<glm::i16vec2> normals;
+};
+
+Streams streams_at(const DeformedVertices::Place& place, std::size_t vertices, gpu::UploadBuffer& buffer) {
+  return {buffer.view<std::byte>(place.positions, vertices * sizeof(glm::vec3)).as<glm::vec3>(),
+          buffer.view<std::byte>(place.normals, vertices * sizeof(glm::i16vec2)).as<glm::i16vec2>()};
+}
+
+/// Writes an instance's vertices in the pose of its rig. Returns their box.
+Bounds deform(const Mesh& mesh, const RigPose& rig, const Streams& streams) {
   std::vector<glm::vec3> positions(mesh.positions.size()), normals(mesh.positions.size());
   Deformation(*mesh.deformable, rig).write(positions, normals);
-  std::ranges::copy(std::as_bytes(std::span(positions)), bytes.subspan(place.positions).begin());
-  std::ranges::transform(normals, reinterpret_cast<glm::i16vec2*>(bytes.data() + place.normals), octahedral);
-  place.box = bounds_of(positions);
+  streams.positions.copy(positions);
+  streams.normals.generate([&](std::size_t i) { return octahedral(normals[i]); });
+  return bounds_of(positions);
 }
 
 }  // namespace
@@ -56,9 +65,9 @@ DeformedVertices::DeformedVertices(const gpu::Device& device, const Scene& scene
   }
   for (Pose& pose : poses_) {
     pose.places_ = places;
-    pose.buffer_ = gpu::make_mapped_buffer(device, bytes, vk::BufferUsageFlagBits::eVertexBuffer,
+    pose.buffer_ = gpu::make_upload_buffer(device, bytes, vk::BufferUsageFlagBits::eVertexBuffer,
                                            "deformed vertices", gpu::Use::Frame);
-    std::ranges::fill(pose.buffer_->as<std::byte>(), std::byte{0});
+    pose.buffer_->view<std::byte>().fill(std::byte{0});
   }
 }
 
@@ -71,17 +80,23 @@ const DeformedVertices::Pose& DeformedVertices::at(const SceneState& state) {
 }
 
 void DeformedVertices::write(const SceneState& state, Pose& pose) {
-  std::vector<std::size_t> changed;
+  struct Changed {
+    std::size_t instance;
+    Streams streams;
+  };
+  std::vector<Changed> changed;
   for (std::size_t i = 0; i < pose.places_.size(); ++i) {
     const auto rig = scene_.instances[i].rig;
     if (!rig || (!pose.rigs_.empty() && pose.rigs_[*rig] == state.rigs[*rig])) continue;
     pose.places_[i]->shape = ++shapes_;
-    changed.push_back(i);
+    const std::size_t vertices = scene_.meshes[scene_.instances[i].mesh].positions.size();
+    changed.push_back({i, streams_at(*pose.places_[i], vertices, *pose.buffer_)});
   }
-  const std::span<std::byte> bytes = pose.buffer_->as<std::byte>();
   tbb::parallel_for(std::size_t{0}, changed.size(), [&](std::size_t number) {
-    const Instance& instance = scene_.instances[changed[number]];
-    deform(scene_.meshes[instance.mesh], state.rigs[*instance.rig], bytes, *pose.places_[changed[number]]);
+    const Changed& one = changed[number];
+    const Instance& instance = scene_.instances[one.instance];
+    pose.places_[one.instance]->box =
+        deform(scene_.meshes[instance.mesh], state.rigs[*instance.rig], one.streams);
   });
   pose.rigs_ = state.rigs;
 }

@@ -34,11 +34,11 @@ class DeformedVertices {
     [[nodiscard]] const Place* of(std::size_t instance) const {
       return places_.empty() || !places_[instance] ? nullptr : &*places_[instance];
     }
-    [[nodiscard]] vk::Buffer buffer() const { return *buffer_->buffer; }
+    [[nodiscard]] vk::Buffer buffer() const { return *buffer_->buffer().buffer; }
 
    private:
     friend class DeformedVertices;
-    std::optional<gpu::Buffer> buffer_;
+    std::optional<gpu::UploadBuffer> buffer_;
     std::vector<std::optional<Place>> places_;  ///< one per instance; empty without rigs
     std::vector<RigPose> rigs_;                 ///< as they were written; empty before the first time
     std::uint64_t last_use_ = 0;

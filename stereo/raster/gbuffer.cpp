@@ -24,7 +24,7 @@ gpu::Image make_output(const gpu::Device& device, Extent size, vk::Format format
 }  // namespace
 
 GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                         const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size)
+                         const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size)
     : size_(size),
       pass_(device, scene, plan, buffers, frame, Outputs::GBuffer),
       hidden_(device, plan, Outputs::GBuffer),

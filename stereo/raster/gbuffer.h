@@ -11,7 +11,7 @@ class GBufferPass {
  public:
   /// The scene has at most kMaxInstances instances. `size` is in pixels per eye. Keeps the references.
   GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-              const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
+              const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size);
 
   /// `hidden`: what the lenses hide of the views; null: nothing.
   void prepare(const StereoView& views, const SceneState& state, Detail detail,
@@ -44,7 +44,7 @@ class DepthPass {
  public:
   /// Keeps the references. All depth passes of a renderer share `pipelines`.
   DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::Buffer& frame, std::shared_ptr<ScenePipelines> pipelines)
+            const gpu::UploadBuffer& frame, std::shared_ptr<ScenePipelines> pipelines)
       : pass_(device, scene, plan, buffers, frame, Outputs::Depth, 1, std::move(pipelines)),
         hidden_(device, plan, Outputs::Depth) {}
 

@@ -69,7 +69,7 @@ void GBufferTransfer::read(const DepthPlace& place, GBufferPlanes& planes) {
     gpu::show_copies_to_host(commands);
   });
   const std::size_t pixels = size_.pixels();
-  const auto words = readback_.as<const std::uint32_t>();
+  const auto words = readback_.as<std::uint32_t>();
   const auto colors = words, normals = words.subspan(at.normals / 4), depths = words.subspan(at.depths / 4);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     make_fit(planes.base_color[eye], size_, 3);
@@ -100,7 +100,7 @@ GBufferTransfer::Pixel GBufferTransfer::read(const DepthPlace& place, Side side,
     }
     gpu::show_copies_to_host(commands);
   });
-  const auto words = pixel_.as<const std::uint32_t>();
+  const auto words = pixel_.as<std::uint32_t>();
   return {.normal = words[surface / 4],
           .instance = layout().surface_words > 1 ? words[surface / 4 + 1] >> 16 : 0,
           .depth = std::bit_cast<float>(words[depth / 4])};
@@ -108,23 +108,24 @@ GBufferTransfer::Pixel GBufferTransfer::read(const DepthPlace& place, Side side,
 
 void GBufferTransfer::prepare(const GBufferPlanes& planes) {
   const Layout at = layout();
-  if (upload_.bytes == 0)
-    upload_ = gpu::make_mapped_buffer(device_, at.bytes, vk::BufferUsageFlagBits::eTransferSrc,
-                                      "G-buffer upload", gpu::Use::Staging);
+  if (upload_.bytes == 0) upload_ = gpu::make_staging_buffer(device_, at.bytes, "G-buffer upload");
   const std::size_t pixels = size_.pixels();
-  const auto words = upload_.as<std::uint32_t>();
-  const auto colors = words, normals = words.subspan(at.normals / 4), depths = words.subspan(at.depths / 4);
+  const auto words = upload_.view<std::uint32_t>();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     check_fits(planes.base_color[eye], size_, 3);
     check_fits(planes.normal[eye], size_, 4);
     check_fits(planes.depth[eye], size_, 4);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const std::uint32_t depth = planes.depth[eye].words[i];
-      colors[eye * pixels + i] = planes.base_color[eye].words[i] | kOpaque;
-      normals[(eye * pixels + i) * at.surface_words] = planes.normal[eye].words[i];
-      if (at.surface_words > 1) normals[(eye * pixels + i) * at.surface_words + 1] = 0;
-      depths[eye * pixels + i] = is_depth(depth) ? depth : 0;
-    }
+    const std::uint32_t *const colors = planes.base_color[eye].words.data(),
+                               *const normals = planes.normal[eye].words.data(),
+                               *const depths = planes.depth[eye].words.data();
+    const std::size_t a_surface = at.surface_words;
+    words.part(eye * pixels, pixels).generate([=](std::size_t i) { return colors[i] | kOpaque; });
+    words.part(at.normals / 4 + eye * pixels * a_surface, pixels * a_surface).generate([=](std::size_t i) {
+      return i % a_surface == 0 ? normals[i / a_surface] : 0;
+    });
+    words.part(at.depths / 4 + eye * pixels, pixels).generate([=](std::size_t i) {
+      return is_depth(depths[i]) ? depths[i] : 0;
+    });
   }
 }
 

@@ -42,7 +42,8 @@ class GBufferTransfer {
   const gpu::Device& device_;
   const GBufferPass& gbuffer_;
   Extent size_;
-  gpu::Buffer readback_, pixel_, upload_;  ///< allocated at first use
+  gpu::ReadbackBuffer readback_, pixel_;  ///< allocated at first use, as the next
+  gpu::StagingBuffer upload_;
 };
 
 }  // namespace farshade

@@ -1,7 +1,5 @@
 #include "stereo/raster/hidden_pass.h"
 
-#include <algorithm>
-
 namespace farshade {
 
 void HiddenPass::prepare(const PerEye<HiddenArea>* hidden, const StereoView& views) {
@@ -17,12 +15,12 @@ void HiddenPass::prepare(const PerEye<HiddenArea>* hidden, const StereoView& vie
 
 void HiddenPass::load(const PerEye<HiddenArea>& hidden) {
   const std::size_t bytes = (hidden[0].corners.size() + hidden[1].corners.size()) * sizeof(glm::vec2);
-  if (corners_.bytes < bytes)
-    corners_ = gpu::make_mapped_buffer(device_, bytes, vk::BufferUsageFlagBits::eVertexBuffer, "hidden area",
+  if (corners_.bytes() < bytes)
+    corners_ = gpu::make_upload_buffer(device_, bytes, vk::BufferUsageFlagBits::eVertexBuffer, "hidden area",
                                        gpu::Use::Frame);
-  auto out = corners_.as<glm::vec2>().begin();
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    out = std::ranges::copy(hidden[eye].corners, out).out;
+  for (std::size_t eye = 0, first = 0; eye < kEyes; ++eye) {
+    corners_.view<glm::vec2>(first, hidden[eye].corners.size()).copy(hidden[eye].corners);
+    first += hidden[eye].corners.size();
     counts_[eye] = narrow<std::uint32_t>(hidden[eye].corners.size());
   }
 }
@@ -38,7 +36,7 @@ void HiddenPass::need_pipeline() {
 void HiddenPass::record(const vk::raii::CommandBuffer& commands, As as) const {
   if (counts_[0] + counts_[1] == 0) return;
   commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline_);
-  commands.bindVertexBuffers(0, *corners_.buffer, vk::DeviceSize{0});
+  commands.bindVertexBuffers(0, *corners_.buffer().buffer, vk::DeviceSize{0});
   for (std::uint32_t eye = 0, first = 0; eye < kEyes; first += counts_[eye++]) {
     Drawn drawn = drawn_[eye];
     drawn.depth = as == As::Nearest ? 1.0f : 0.0f;

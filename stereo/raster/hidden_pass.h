@@ -40,7 +40,7 @@ class HiddenPass {
   Outputs outputs_;
   vk::raii::PipelineLayout layout_{nullptr};
   vk::raii::Pipeline pipeline_{nullptr};
-  gpu::Buffer corners_;  ///< of both eyes, the left one's first
+  gpu::UploadBuffer corners_;  ///< of both eyes, the left one's first
   // Of what was prepared last.
   PerEye<Drawn> drawn_;
   PerEye<std::uint32_t> counts_{};  ///< of corners

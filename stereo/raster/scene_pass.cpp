@@ -33,14 +33,14 @@ vk::RenderingAttachmentInfo cleared(vk::ImageView view, vk::ImageLayout layout) 
 }
 
 ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                     const SceneBuffers& buffers, const gpu::Buffer& frame, Outputs outputs,
+                     const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Outputs outputs,
                      std::size_t pairs, std::shared_ptr<ScenePipelines> pipelines)
     : device_(device),
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
       outputs_(outputs),
-      instances_(gpu::make_mapped_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
+      instances_(gpu::make_upload_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eUniformBuffer, "instances",
                                          gpu::Use::Frame)),
       deformed_(&buffers.deformed->any()),
@@ -48,8 +48,8 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
       pipelines_(std::move(pipelines)),
       draws_(pairs),
       last_levels_(scene.instances.size(), 0) {
-  gpu::bind_buffer(device, bindings_, 0, instances_, sizeof(gpu::InstanceData));
-  if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
+  gpu::bind_buffer(device, bindings_, 0, instances_.buffer(), sizeof(gpu::InstanceData));
+  if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame.buffer());
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
   bool textured = false;
   for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) textured |= variant_of(mesh).textured;
@@ -65,7 +65,7 @@ void ScenePass::make_all_pipelines() {
 
 void ScenePass::prepare_warm_up() {
   make_all_pipelines();
-  std::ranges::fill(instances_.as<gpu::InstanceData>(), gpu::InstanceData{});  // every corner at w = 0
+  instances_.view<gpu::InstanceData>().fill({});  // every corner at w = 0
   draws_[0].clear();
   std::set<SceneVariant> drawn;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i)
@@ -199,7 +199,6 @@ template <class SeenAs>
 void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const SceneState& state,
                           const PerEye<Extent>& sizes, Detail detail, const SeenAs& seen_as) {
   const auto first = narrow<std::uint32_t>(wanted.pair * scene_.instances.size());
-  const auto data = instances_.as<gpu::InstanceData>().subspan(first);
   std::vector<Draw>& draws = draws_[pass];
   draws.clear();
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
@@ -216,7 +215,7 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
     seen.base_color = material.base_color;
     seen.index = i;
     seen.alpha_cutoff = material.alpha_cutoff.value_or(0.0f);
-    data[i] = seen;
+    instances_.write(first + i, seen);
     const glm::vec3 middle = (glm::vec3(box.low) + glm::vec3(box.high)) * 0.5f;
     const glm::vec4 centre = seen.clip_from_object[0] * glm::vec4(middle, 1.0f);
     Draw draw{.instance = i,

@@ -34,7 +34,7 @@ class ScenePass {
   /// Keeps the references. `frame` holds a FrameData. A frame draws into at most `pairs` pairs of layers.
   /// `pipelines` are those of the passes with the same outputs, and become more.
   ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1,
+            const gpu::UploadBuffer& frame, Outputs outputs, std::size_t pairs = 1,
             std::shared_ptr<ScenePipelines> pipelines = std::make_shared<ScenePipelines>());
 
   /// Creates the pipelines of all meshes.
@@ -100,7 +100,7 @@ class ScenePass {
   const DrawPlan& plan_;
   const SceneBuffers& buffers_;
   Outputs outputs_;
-  gpu::Buffer instances_;
+  gpu::UploadBuffer instances_;
   const DeformedVertices::Pose* deformed_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};

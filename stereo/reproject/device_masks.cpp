@@ -1,25 +1,24 @@
 #include "stereo/reproject/device_masks.h"
 
-#include <algorithm>
-
 #include "stereo/frame/tiles.h"
 #include "stereo/plan/plan_masks.h"
 
 namespace farshade {
 namespace {
 
-gpu::Buffer mapped(const gpu::Device& device, std::size_t bytes, const char* name) {
-  return gpu::make_mapped_buffer(device, bytes, vk::BufferUsageFlagBits::eStorageBuffer, name,
+gpu::UploadBuffer make_masks(const gpu::Device& device, std::size_t bytes, const char* name) {
+  return gpu::make_upload_buffer(device, bytes, vk::BufferUsageFlagBits::eStorageBuffer, name,
                                  gpu::Use::Masks);
 }
 
 /// Writes which blocks of each tile of an eye are known. Returns whether all are.
-bool write_known(const TracedMask& mask, std::size_t eye, std::span<std::uint16_t> blocks) {
+bool write_known(const TracedMask& mask, std::size_t eye, WriteOnly<std::uint16_t> blocks) {
   bool whole = true;
-  for (std::size_t tile = 0; tile < mask.received_tiles[eye].size(); ++tile) {
-    blocks[tile] = known_blocks(mask, eye, tile);
-    whole &= blocks[tile] == kAllBlocks;
-  }
+  blocks.part(0, mask.received_tiles[eye].size()).generate([&](std::size_t tile) {
+    const BlockBits known = known_blocks(mask, eye, tile);
+    whole &= known == kAllBlocks;
+    return known;
+  });
   return whole;
 }
 
@@ -29,8 +28,8 @@ static_assert(kTileSide_px == FARSHADE_TILE_PX && kBlockSide_px == FARSHADE_BLOC
 
 DeviceMasks::DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes)
     : plan_(plan),
-      words_(mapped(device, bytes.all_words(plan), "masks")),
-      known_(mapped(device, bytes.all_known(plan), "known blocks")),
+      words_(make_masks(device, bytes.all_words(plan), "masks")),
+      known_(make_masks(device, bytes.all_known(plan), "known blocks")),
       shelves_{Shelf{bytes.mask, 0, 0, MaskSlots(most_masks(plan)), std::vector<bool>(most_masks(plan))},
                Shelf{bytes.face, most_masks(plan) * kEyes * bytes.mask.words,
                      most_masks(plan) * kEyes * bytes.mask.known, MaskSlots(most_cube_mask_pairs(plan)),
@@ -62,7 +61,7 @@ void DeviceMasks::forget() {
 }
 
 /// Copies a mask to a slot. Returns whether every block is known.
-bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) const {
+bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) {
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t at = slot * kEyes + eye;
@@ -70,15 +69,15 @@ bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask&
     check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
     const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
     check(bytes <= shelf.bytes.words, "a mask fits its slot");
-    const auto there = words_.as<std::byte>().subspan(shelf.words + at * shelf.bytes.words, bytes);
+    const auto there = words_.view<std::byte>(shelf.words + at * shelf.bytes.words, bytes);
     if (reprojects_masks(plan_)) {
       copy_with_edges(bits, there);
     } else {
-      std::ranges::copy(bits.bytes(), there.begin());
+      there.copy(bits.bytes());
     }
     const std::size_t known = (shelf.known + at * shelf.bytes.known) / sizeof(std::uint16_t);
-    whole &= write_known(
-        mask, eye, known_.as<std::uint16_t>().subspan(known, shelf.bytes.known / sizeof(std::uint16_t)));
+    whole &=
+        write_known(mask, eye, known_.view<std::uint16_t>(known, shelf.bytes.known / sizeof(std::uint16_t)));
   }
   return whole;
 }

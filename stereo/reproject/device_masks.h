@@ -37,8 +37,8 @@ class DeviceMasks {
   /// Forgets all masks, because frame ids begin anew.
   void forget();
 
-  [[nodiscard]] const gpu::Buffer& words() const { return words_; }
-  [[nodiscard]] const gpu::Buffer& known_blocks() const { return known_; }
+  [[nodiscard]] const gpu::Buffer& words() const { return words_.buffer(); }
+  [[nodiscard]] const gpu::Buffer& known_blocks() const { return known_.buffer(); }
   [[nodiscard]] std::uint64_t uploads() const { return uploads_; }
 
  private:
@@ -49,11 +49,11 @@ class DeviceMasks {
     MaskSlots slots;
     std::vector<bool> is_whole;  ///< by slot
   };
-  [[nodiscard]] bool upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) const;
+  [[nodiscard]] bool upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask);
   [[nodiscard]] const Shelf& shelf(Kind kind) const { return shelves_[static_cast<std::size_t>(kind)]; }
 
   const DrawPlan& plan_;
-  gpu::Buffer words_, known_;
+  gpu::UploadBuffer words_, known_;
   std::array<Shelf, 2> shelves_;
   std::uint64_t uploads_ = 0;
 };

@@ -1,6 +1,5 @@
 #include "stereo/reproject/mask_edges.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "stereo/base/check.h"
@@ -45,7 +44,7 @@ std::vector<std::uint8_t> edges_of(const std::vector<std::uint8_t>& differs, Ext
 }
 
 template <class From, class To>
-void copy(const EyeMask& mask, std::span<std::byte> out) {
+void copy(const EyeMask& mask, WriteOnly<std::byte> out) {
   const MaskLayout from = mask.layout(), to = with_edge_bits(from);
   const std::size_t pixels = mask.size().pixels();
   std::vector<std::uint8_t> differs(pixels, 0);
@@ -54,20 +53,23 @@ void copy(const EyeMask& mask, std::span<std::byte> out) {
   const std::vector<std::uint8_t> edges = edges_of(differs, mask.size());
   const std::uint32_t edge_plane = first_edge_bit(from.lights) / 32, bit = first_edge_bit(from.lights) % 32;
   for (std::uint32_t plane = 0; plane < to.planes(); ++plane) {
-    To* const target = reinterpret_cast<To*>(out.data()) + plane * pixels;
-    if (plane < from.planes()) {
-      std::ranges::copy(words_of<From>(mask, plane), target);
-    } else {
-      std::fill_n(target, pixels, To{0});
-    }
-    for (std::size_t i = 0; i < pixels && plane == edge_plane; ++i)
-      target[i] = static_cast<To>(target[i] | static_cast<To>(edges[i]) << bit);
+    const WriteOnly<To> target = out.as<To>().part(plane * pixels, pixels);
+    const From* const words = plane < from.planes() ? words_of<From>(mask, plane).data() : nullptr;
+    const auto edge = [bits = edges.data(), bit](std::size_t i) {
+      return static_cast<To>(static_cast<To>(bits[i]) << bit);
+    };
+    if (words == nullptr)
+      target.generate(edge);  // the plane of the edges, without a light
+    else if (plane == edge_plane)
+      target.generate([=](std::size_t i) { return static_cast<To>(words[i] | edge(i)); });
+    else
+      target.generate([=](std::size_t i) { return static_cast<To>(words[i]); });
   }
 }
 
 }  // namespace
 
-void copy_with_edges(const EyeMask& mask, std::span<std::byte> out) {
+void copy_with_edges(const EyeMask& mask, WriteOnly<std::byte> out) {
   check_eq(out.size(), mask_bytes(mask.size(), with_edge_bits(mask.layout())), "bytes of a device mask");
   if (mask.size().pixels() == 0) return;
   const std::uint32_t from = mask.layout().word_bytes(), to = with_edge_bits(mask.layout()).word_bytes();

@@ -3,8 +3,7 @@
 /// there does shade.comp filter the visibility between pixels.
 #pragma once
 
-#include <span>
-
+#include "stereo/base/write_only.h"
 #include "stereo/frame/eye_mask.h"
 
 namespace farshade {
@@ -26,6 +25,6 @@ static_assert(with_edge_bits({3}).word_bytes() == 1 && with_edge_bits({kMaxLight
 
 /// Writes `mask` with its edge bits to `out`, which has mask_bytes(mask.size(),
 /// with_edge_bits(mask.layout())) bytes.
-void copy_with_edges(const EyeMask& mask, std::span<std::byte> out);
+void copy_with_edges(const EyeMask& mask, WriteOnly<std::byte> out);
 
 }  // namespace farshade

@@ -1,6 +1,7 @@
 #include "stereo/reproject/mask_quads.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
@@ -14,56 +15,75 @@ struct Quad {
   Word bits, differ;
 };
 
-/// The quads of a plane of a mask.
+/// For each row of blocks, the first pixel column of each block that is not known.
+using UnknownBlocks = std::vector<std::vector<std::uint32_t>>;
+
+UnknownBlocks unknown_blocks(const TracedMask& mask, std::size_t eye) {
+  const TileGrid grid{mask.masks[eye].size()};
+  UnknownBlocks blocks((grid.size.height + kBlockSide_px - 1) / kBlockSide_px);
+  for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+    const auto unknown = static_cast<BlockBits>(~known_blocks(mask, eye, tile));
+    if (unknown == kNoBlocks) continue;
+    const TileRect rect = grid.rect(tile);
+    for (std::uint32_t y = rect.y0; y < rect.y1; y += kBlockSide_px)
+      for (std::uint32_t x = rect.x0; x < rect.x1; x += kBlockSide_px)
+        if ((unknown & block_bit(x - rect.x0, y - rect.y0)) != 0) blocks[y / kBlockSide_px].push_back(x);
+  }
+  return blocks;
+}
+
+/// Writes the quads of row `y` of a plane of a mask.
 template <class Word>
-void write_plane(const Word* words, Extent size, Quad<Word>* quads) {
+void write_row(const Word* words, Extent size, std::uint32_t y, WriteOnly<Quad<Word>> row) {
   const std::size_t w = size.width;
+  const bool is_last = y + 1 == size.height;
   constexpr Word kAll = static_cast<Word>(~Word{0});
-  for (std::size_t y = 0; y < size.height; ++y) {
-    const Word *const above = words + y * w, *const below = y + 1 < size.height ? above + w : above;
-    Quad<Word>* const row = quads + y * w;
-    for (std::size_t x = 0; x + 1 < w; ++x)
-      row[x] = {above[x], static_cast<Word>((above[x] ^ above[x + 1]) | (above[x] ^ below[x]) |
-                                            (above[x] ^ below[x + 1]))};
-    row[w - 1] = {above[w - 1], kAll};
-    if (y + 1 == size.height)
-      for (std::size_t x = 0; x < w; ++x) row[x].differ = kAll;
-  }
+  const Word *const above = words + y * w, *const below = is_last ? above : above + w;
+  row.part(0, w - 1).generate([=, missing = is_last ? kAll : Word{0}](std::size_t x) {
+    return Quad<Word>{above[x], static_cast<Word>((above[x] ^ above[x + 1]) | (above[x] ^ below[x]) |
+                                                  (above[x] ^ below[x + 1]) | missing)};
+  });
+  row.write(w - 1, {above[w - 1], kAll});
 }
 
-/// Marks the quads that have a pixel of the block at (x, y).
+/// Marks the quads of a row that have a pixel of a block of `blocks`.
 template <class Word>
-void spoil_block(std::uint32_t x, std::uint32_t y, Extent size, Quad<Word>* quads) {
-  const std::uint32_t left = std::max(x, 1u) - 1, right = std::min(x + kBlockSide_px, size.width);
-  for (std::uint32_t row = std::max(y, 1u) - 1; row < std::min(y + kBlockSide_px, size.height); ++row)
-    for (std::uint32_t column = left; column < right; ++column)
-      quads[std::size_t{row} * size.width + column].differ = static_cast<Word>(~Word{0});
+void spoil(const std::vector<std::uint32_t>& blocks, std::uint32_t width, Quad<Word>* row) {
+  for (const std::uint32_t x : blocks)
+    for (std::uint32_t column = std::max(x, 1u) - 1; column < std::min(x + kBlockSide_px, width); ++column)
+      row[column].differ = static_cast<Word>(~Word{0});
 }
 
+/// A row with unknown blocks is made in ordinary memory, because `out` may be slow to write twice.
 template <class Word>
-void write(const TracedMask& mask, std::size_t eye, std::span<std::byte> out) {
+void write(const TracedMask& mask, std::size_t eye, WriteOnly<std::byte> out) {
   const EyeMask& bits = mask.masks[eye];
-  const TileGrid grid{bits.size()};
-  auto* const quads = reinterpret_cast<Quad<Word>*>(out.data());
+  const Extent size = bits.size();
+  const UnknownBlocks unknown = unknown_blocks(mask, eye);
+  const WriteOnly<Quad<Word>> quads = out.as<Quad<Word>>();
   const auto* const words = reinterpret_cast<const Word*>(bits.bytes().data());
-  for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane) {
-    const std::size_t first = plane * bits.size().pixels();
-    write_plane(words + first, bits.size(), quads + first);
-    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-      const auto unknown = static_cast<BlockBits>(~known_blocks(mask, eye, tile));
-      if (unknown == kNoBlocks) continue;
-      const TileRect rect = grid.rect(tile);
-      for (std::uint32_t y = rect.y0; y < rect.y1; y += kBlockSide_px)
-        for (std::uint32_t x = rect.x0; x < rect.x1; x += kBlockSide_px)
-          if ((unknown & block_bit(x - rect.x0, y - rect.y0)) != 0)
-            spoil_block(x, y, bits.size(), quads + first);
+  std::vector<Quad<Word>> spoilt(size.width);
+  for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane)
+    for (std::uint32_t y = 0; y < size.height; ++y) {
+      const WriteOnly<Quad<Word>> row =
+          quads.part((std::size_t{plane} * size.height + y) * size.width, size.width);
+      const Word* const of_plane = words + plane * size.pixels();
+      const std::size_t own = y / kBlockSide_px,
+                        below = std::min<std::size_t>((y + 1) / kBlockSide_px, unknown.size() - 1);
+      if (unknown[own].empty() && unknown[below].empty()) {
+        write_row(of_plane, size, y, row);
+        continue;
+      }
+      write_row(of_plane, size, y, WriteOnly(std::span(spoilt)));
+      spoil(unknown[own], size.width, spoilt.data());
+      if (below != own) spoil(unknown[below], size.width, spoilt.data());
+      row.copy(spoilt);
     }
-  }
 }
 
 }  // namespace
 
-void write_quads(const TracedMask& mask, std::size_t eye, std::span<std::byte> out) {
+void write_quads(const TracedMask& mask, std::size_t eye, WriteOnly<std::byte> out) {
   const EyeMask& bits = mask.masks[eye];
   check_eq(out.size(), quad_bytes(bits.size(), bits.layout()), "bytes of a mask's quads");
   if (bits.size().pixels() == 0) return;

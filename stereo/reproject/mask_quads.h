@@ -3,8 +3,7 @@
 /// below. So the shader reads one place instead of four.
 #pragma once
 
-#include <span>
-
+#include "stereo/base/write_only.h"
 #include "stereo/reproject/reprojection.h"
 
 namespace farshade {
@@ -16,6 +15,6 @@ namespace farshade {
 
 /// Writes the quads of an eye of `mask` to `out`, which has quad_bytes(). All lights of a quad differ if it
 /// has a pixel of a block that is not known, or less than four pixels: the last row and column.
-void write_quads(const TracedMask& mask, std::size_t eye, std::span<std::byte> out);
+void write_quads(const TracedMask& mask, std::size_t eye, WriteOnly<std::byte> out);
 
 }  // namespace farshade

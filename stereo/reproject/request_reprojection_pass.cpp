@@ -30,14 +30,14 @@ RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, cons
                                                  const DepthPlace& any_depth, Extent traced_size)
     : device_(device),
       plan_(plan),
-      frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
+      frame_buffer_(gpu::make_upload_buffer(device, sizeof(gpu::FrameData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested frame",
                                             gpu::Use::Frame)),
-      light_buffer_(gpu::make_mapped_buffer(device, (plan.mask.lights + 1) * sizeof(gpu::LightData),
+      light_buffer_(gpu::make_upload_buffer(device, (plan.mask.lights + 1) * sizeof(gpu::LightData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested lights",
                                             gpu::Use::Frame)),
       quad_bytes_(request_reprojection_bytes(plan, traced_size).quads),
-      quads_(gpu::make_mapped_buffer(device, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
+      quads_(gpu::make_upload_buffer(device, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
                                      "quads of a mask", gpu::Use::Masks)),
       reprojected_(gpu::make_readback_buffer(device,
                                              request_reprojection_bytes(plan, traced_size).reprojected,
@@ -46,9 +46,9 @@ RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, cons
                                          "unknown blocks", gpu::Use::Masks)),
       nearest_(device.logical.createSampler({})),
       bindings_(gpu::make_bindings(device, request_reprojection_set(), "request reprojection")) {
-  gpu::bind_buffer(device_, bindings_, 0, frame_buffer_);
-  gpu::bind_buffer(device_, bindings_, 1, light_buffer_);
-  gpu::bind_buffer(device_, bindings_, 2, quads_);
+  gpu::bind_buffer(device_, bindings_, 0, frame_buffer_.buffer());
+  gpu::bind_buffer(device_, bindings_, 1, light_buffer_.buffer());
+  gpu::bind_buffer(device_, bindings_, 2, quads_.buffer());
   gpu::bind_buffer(device_, bindings_, 4, reprojected_);
   gpu::bind_buffer(device_, bindings_, 5, unknown_);
   bind({any_depth, any_depth});
@@ -77,15 +77,15 @@ void RequestReprojectionPass::prepare(const FrameMoment& request, const Depths& 
     check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
     const std::size_t bytes = quad_bytes(bits.size(), bits.layout());
     check(bytes <= quad_bytes_, "a mask has at most the traced size");
-    write_quads(base, eye, quads_.as<std::byte>().subspan(eye * quad_bytes_, bytes));
+    write_quads(base, eye, quads_.view<std::byte>(eye * quad_bytes_, bytes));
   }
   const std::array<const Motion*, 1> motions{&since};
   write_stale(request.views, {.masks = motions}, frame);
   size_ = request.views[0].size;
   bind(depths);
-  frame_buffer_.as<gpu::FrameData>()[0] = frame;
+  frame_buffer_.write(0, frame);
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
-    light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i], lights.exposure);
+    light_buffer_.write(i, light_data(request.views, lights.lights[i], lights.exposure));
 }
 
 gpu::Recording RequestReprojectionPass::warm_up() {
@@ -133,8 +133,8 @@ void RequestReprojectionPass::read(RequestReprojection& into) const {
   const TileGrid grid{size_};
   const std::size_t word_bytes = plan_.mask.word_bytes(), row_bytes = size_.width * word_bytes;
   const std::size_t padded_bytes = std::size_t{blocks.width} * kBlockSide_px * word_bytes;
-  const std::byte* reprojected = reprojected_.as<const std::byte>().data();
-  const std::uint32_t* unknown = unknown_.as<const std::uint32_t>().data();
+  const std::byte* reprojected = reprojected_.as<std::byte>().data();
+  const std::uint32_t* unknown = unknown_.as<std::uint32_t>().data();
   into.requested.lights = plan_.mask.lights;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     EyeMask& mask = into.masks[eye];

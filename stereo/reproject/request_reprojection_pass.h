@@ -47,10 +47,10 @@ class RequestReprojectionPass {
 
   const gpu::Device& device_;
   const DrawPlan& plan_;
-  gpu::Buffer frame_buffer_, light_buffer_;
-  std::size_t quad_bytes_;             ///< of one eye
-  gpu::Buffer quads_;                  ///< of the base
-  gpu::Buffer reprojected_, unknown_;  ///< what request_reprojection.comp writes
+  gpu::UploadBuffer frame_buffer_, light_buffer_;
+  std::size_t quad_bytes_;                     ///< of one eye
+  gpu::UploadBuffer quads_;                    ///< of the base
+  gpu::ReadbackBuffer reprojected_, unknown_;  ///< what request_reprojection.comp writes
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};

@@ -63,7 +63,7 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 }  // namespace
 
 ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-                         const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
+                         const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
                          const MotionModel& motion, const ShadingBytes& bytes, Extent size)
     : device_(device),
       plan_(plan),
@@ -81,15 +81,15 @@ ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const 
 
 void ShadingPass::make_buffers(const MotionModel& motion) {
   const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
-  const auto mapped = [&](std::size_t bytes, const char* name, gpu::Use use) {
-    return gpu::make_mapped_buffer(device_, bytes, storage, name, use);
-  };
-  light_buffer_ = gpu::make_mapped_buffer(device_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
+  light_buffer_ = gpu::make_upload_buffer(device_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
                                           "lights", gpu::Use::Frame);
   if (bytes_.motions > 0) {
-    motion_slots_ = mapped(bytes_.slots, "motion slots", gpu::Use::Motion);
-    std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
-    motion_buffer_ = mapped(bytes_.motions, "motions", gpu::Use::Motion);
+    const auto upload = [&](std::size_t bytes, const char* name) {
+      return gpu::make_upload_buffer(device_, bytes, storage, name, gpu::Use::Motion);
+    };
+    motion_slots_ = upload(bytes_.slots, "motion slots");
+    motion_slots_.view<std::uint32_t>().copy(motion.slots());
+    motion_buffer_ = upload(bytes_.motions, "motions");
   }
   if (bytes_.lists > 0)
     hard_buffer_ = gpu::make_device_buffer(
@@ -113,9 +113,8 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   nearest_ = device_.logical.createSampler({});
   bindings_ = gpu::make_bindings(device_, shading_set(bytes_), "shading");
   std::uint32_t binding = 0;
-  gpu::bind_buffer(device_, bindings_, binding++, frame_buffer_);
-  for (const gpu::Buffer* buffer :
-       {&std::as_const(light_buffer_), &device_masks_.words(), &device_masks_.known_blocks()})
+  for (const gpu::Buffer* buffer : {&frame_buffer_.buffer(), &light_buffer_.buffer(), &device_masks_.words(),
+                                    &device_masks_.known_blocks()})
     gpu::bind_buffer(device_, bindings_, binding++, *buffer);
   check_eq(binding++, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
   for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
@@ -129,8 +128,8 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
     check_eq(binding, std::uint32_t{FARSHADE_BINDING_MASK_DEPTHS}, "first binding of the depth of masks");
     binding += kMaxMasks;
   }
-  for (const gpu::Buffer* buffer : {&motion_slots_, &motion_buffer_})
-    if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);
+  for (const gpu::UploadBuffer* upload : {&motion_slots_, &motion_buffer_})
+    if (upload->bytes() > 0) gpu::bind_buffer(device_, bindings_, binding++, upload->buffer());
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
   bind_depths(depths_.any, {});
 }
@@ -179,8 +178,9 @@ void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks,
   moved_ = write_stale(views, since, frame) || motion_count_ > 0;
   if (!plan_.builds_late) assume_nothing();
   if (!moved_) return;
-  for (std::size_t slot = 0; slot < motion_count_; ++slot)
-    write_motions(views, since, slot, motion_buffer_.as<glm::mat4>());
+  if (motion_count_ == 0) return;
+  const WriteOnly<glm::mat4> matrices = motion_buffer_.view<glm::mat4>();
+  for (std::size_t slot = 0; slot < motion_count_; ++slot) write_motions(views, since, slot, matrices);
 }
 
 void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
@@ -212,11 +212,11 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
 }
 
 void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
-  gpu::FrameData& written = frame_buffer_.as<gpu::FrameData>()[0];
-  written = frame;
-  written.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
+  gpu::FrameData lit = frame;
+  lit.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
+  frame_buffer_.write(0, lit);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
-    light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i], lights.exposure);
+    light_buffer_.write(i, light_data(views, lights.lights[i], lights.exposure));
     off_[i] = !lights.lights[i].on;
   }
 }

@@ -40,7 +40,7 @@ class ShadingPass {
   /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
   /// that `prepare` fills. Keeps the references except `motion`.
   ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-              const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
+              const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
   /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The depth of
@@ -97,11 +97,12 @@ class ShadingPass {
   const DrawPlan& plan_;
   const MaskDepths depths_;
   DeviceMasks& device_masks_;
-  const gpu::Buffer& frame_buffer_;
+  gpu::UploadBuffer& frame_buffer_;
   Extent size_;
   ShadingBytes bytes_;
-  gpu::Buffer light_buffer_, report_buffer_;
-  gpu::Buffer motion_slots_, motion_buffer_, hard_buffer_;
+  gpu::UploadBuffer light_buffer_, motion_slots_, motion_buffer_;
+  gpu::ReadbackBuffer report_buffer_;
+  gpu::Buffer hard_buffer_;
   std::size_t motion_count_;  ///< of instances that can move
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};

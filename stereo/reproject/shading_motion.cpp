@@ -49,7 +49,7 @@ bool write_group(const StereoView& views, const MaskMotions& since, std::size_t 
 }  // namespace
 
 void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
-                   std::span<glm::mat4> matrices) {
+                   WriteOnly<glm::mat4> matrices) {
   check(motion_index(slot + 1, 0, 0) <= matrices.size(), "the buffer has the matrices of every slot");
   for (std::size_t group = 0; group < FARSHADE_SINCE_GROUPS; ++group) {
     const Motions motions = group_of(since, group);
@@ -59,12 +59,12 @@ void write_motions(const StereoView& views, const MaskMotions& since, std::size_
     for (std::size_t i = 0; i < motions.size(); ++i)
       for (std::size_t eye = 0; eye < kEyes; ++eye) {
         const Rigid<Stage, Eye>& stage_from_eye = views[eye].stage_from_eye;
-        glm::mat4& then_from_now = matrices[motion_index(slot, first + i, eye)];
-        then_from_now = glm::mat4(1.0f);
+        glm::mat4 then_from_now(1.0f);
         if (has_moved(*motions[i], slot))
           then_from_now = glm::mat4(matrix(inverse(stage_from_eye)) * *motions[i]->then_from_now[slot] *
                                     matrix(stage_from_eye));
         then_from_now[0][3] = flag ? 1.0f : 0.0f;
+        matrices.write(motion_index(slot, first + i, eye), then_from_now);
       }
   }
 }

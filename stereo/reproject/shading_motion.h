@@ -5,6 +5,7 @@
 #include <span>
 
 #include "shaders/shared.h"
+#include "stereo/base/write_only.h"
 #include "stereo/frame/view.h"
 #include "stereo/reproject/motion.h"
 
@@ -26,7 +27,7 @@ struct MaskMotions {
 /// each shown eye's space. Element [0][3] is a flag: 1 if the instance has moved since any mask of the same
 /// group (FARSHADE_SINCE_*) was traced.
 void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
-                   std::span<glm::mat4> matrices);
+                   WriteOnly<glm::mat4> matrices);
 
 /// Writes the lights that are stale and the bounding spheres of moved instances to `frame`. Returns whether
 /// anything has moved since a mask in use was traced.

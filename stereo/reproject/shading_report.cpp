@@ -46,7 +46,7 @@ ShownReport ShadingPass::report(Side side, const TileRect& part) const {
                      .unknown = std::vector<std::uint32_t>(pixels * planes),
                      .stale = std::vector<std::uint32_t>(pixels * planes),
                      .rays = std::vector<std::uint16_t>(pixels)};
-  const auto all = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * size_.pixels() * words);
+  const auto all = report_buffer_.as<std::uint32_t>().subspan(index_of(side) * size_.pixels() * words);
   for (std::size_t at = 0; at < pixels; ++at) {
     const auto x = static_cast<std::uint32_t>(at % size.width),
                y = static_cast<std::uint32_t>(at / size.width);

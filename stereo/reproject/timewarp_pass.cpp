@@ -1,6 +1,5 @@
 #include "stereo/reproject/timewarp_pass.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -77,21 +76,21 @@ TimewarpPass::TimewarpPass(const gpu::Device& device, const gpu::Image& shown, E
       shown_(shown),
       size_(shown.spec.size),
       largest_(largest),
-      picture_(gpu::make_mapped_buffer(
+      picture_(gpu::make_upload_buffer(
           device, kEyes * largest.pixels() * 4,
           vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",
           gpu::Use::Shown)),
-      light_of_(gpu::make_mapped_buffer(device, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
+      light_of_(gpu::make_upload_buffer(device, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
                                         "light of levels", gpu::Use::Shown)),
       bindings_(gpu::make_bindings(device,
                                    {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute}},
                                    "timewarp")) {
-  gpu::bind_buffer(device, bindings_, 0, picture_);
+  gpu::bind_buffer(device, bindings_, 0, picture_.buffer());
   gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
-  gpu::bind_buffer(device, bindings_, 2, light_of_);
-  std::ranges::copy(light_of_levels(), light_of_.as<float>().begin());
+  gpu::bind_buffer(device, bindings_, 2, light_of_.buffer());
+  light_of_.view<float>().copy(light_of_levels());
   const vk::PushConstantRange push{.stageFlags = vk::ShaderStageFlagBits::eCompute,
                                    .size = sizeof(gpu::TimewarpData)};
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
@@ -104,11 +103,11 @@ void TimewarpPass::load(const PerEye<Image<Rgb8>>& picture) {
   loaded_ = picture[0].size;
   check(picture[1].size == loaded_ && loaded_.width <= largest_.width && loaded_.height <= largest_.height,
         "a picture to turn has room");
-  const std::span<Rgba8> pixels = picture_.as<Rgba8>();
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    for (std::size_t i = 0; i < loaded_.pixels(); ++i)
-      pixels[eye * loaded_.pixels() + i] = Rgba8(picture[eye].pixels[i], 255);
-  }
+  const std::size_t pixels = loaded_.pixels();
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    picture_.view<Rgba8>(eye * pixels, pixels).generate([from = picture[eye].pixels.data()](std::size_t i) {
+      return Rgba8(from[i], 255);
+    });
 }
 
 const vk::raii::Pipeline& TimewarpPass::need_pipeline(Effect effect) {
@@ -124,7 +123,7 @@ void TimewarpPass::copy_shown(const vk::raii::CommandBuffer& commands) const {
   constexpr auto rest = vk::ImageLayout::eGeneral, source = vk::ImageLayout::eTransferSrcOptimal;
   gpu::transition(commands, shown_, rest, source);
   commands.copyImageToBuffer(
-      *shown_.image, source, *picture_.buffer,
+      *shown_.image, source, *picture_.buffer().buffer,
       vk::BufferImageCopy{.imageSubresource = {shown_.aspect, 0, 0, narrow<std::uint32_t>(kEyes)},
                           .imageExtent = {size_.width, size_.height, 1}});
   gpu::transition(commands, shown_, source, rest);

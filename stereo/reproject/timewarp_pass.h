@@ -48,9 +48,9 @@ class TimewarpPass {
   const gpu::Device& device_;
   const gpu::Image& shown_;
   Extent size_, largest_;
-  Extent loaded_;         ///< size of the loaded picture
-  gpu::Buffer picture_;   ///< both eyes, four bytes per pixel
-  gpu::Buffer light_of_;  ///< linear light of each sRGB level
+  Extent loaded_;               ///< size of the loaded picture
+  gpu::UploadBuffer picture_;   ///< both eyes, four bytes per pixel
+  gpu::UploadBuffer light_of_;  ///< linear light of each sRGB level
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::array<vk::raii::Pipeline, 2> pipelines_{nullptr,

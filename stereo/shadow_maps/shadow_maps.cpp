@@ -56,14 +56,14 @@ ShadowMaps::DepthLayers ShadowMaps::make_layers(const gpu::Device& device, std::
 }
 
 ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                       const SceneBuffers& buffers, const gpu::Buffer& frame,
+                       const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
                        const ShadowMapSettings& settings)
     : scene_(scene),
       buffers_(buffers),
       settings_(settings),
       layers_(checked_layers(scene, settings)),
       maps_(make_layers(device, layers_.count, settings.side_px, map_usage(layers_), "shadow maps")),
-      map_data_(gpu::make_mapped_buffer(device, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
+      map_data_(gpu::make_upload_buffer(device, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
                                         vk::BufferUsageFlagBits::eUniformBuffer, "shadow map views",
                                         gpu::Use::ShadowMaps)),
       nearest_(device.logical.createSampler({})),
@@ -78,7 +78,7 @@ ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const Draw
     if (kept_) gpu::transition(commands, kept_->image, Layout::eUndefined, Layout::eTransferSrcOptimal);
   });
   gpu::bind_image(device, bindings_, 0, {*maps_.image.view, Layout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_buffer(device, bindings_, 1, map_data_);
+  gpu::bind_buffer(device, bindings_, 1, map_data_.buffer());
 }
 
 /// Corners that do not change are found once.
@@ -117,8 +117,7 @@ void ShadowMaps::prepare(const StereoView& shown, const SceneState& state) {
   pass_.deform(state);
   find_corners(state);
   ShadowMapViews views = shadow_map_views(lights, corners_, settings_);
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    map_data_.as<gpu::ShadowMapData>()[i] = shadow_map_data(shown, views.lights[i]);
+  for (std::size_t i = 0; i < lights.size(); ++i) map_data_.write(i, shadow_map_data(shown, views.lights[i]));
   views.layer_clip.resize(layers_.count, clip_from_stage({}));
   add_passes(updates_.next(views.layer_clip, places(state)), views.layer_clip);
   if (due()) pass_.prepare(passes_, {settings_.side_px, settings_.side_px}, state);

@@ -20,7 +20,7 @@ class ShadowMaps {
   /// Keeps the references. `frame` holds a FrameData. shadow_map_bytes must succeed for `scene` and
   /// `settings`. Throws when the device runs out of memory.
   ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-             const gpu::Buffer& frame, const ShadowMapSettings& settings);
+             const gpu::UploadBuffer& frame, const ShadowMapSettings& settings);
 
   /// Prepares a frame with the shown views and the scene's state. `record` must follow.
   void prepare(const StereoView& shown, const SceneState& state);
@@ -58,7 +58,7 @@ class ShadowMaps {
   MapLayers layers_;
   DepthLayers maps_;
   std::optional<DepthLayers> kept_;  ///< depth of the instances that cannot move
-  gpu::Buffer map_data_;             ///< a ShadowMapData for each light
+  gpu::UploadBuffer map_data_;       ///< a ShadowMapData for each light
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
   ScenePass pass_;

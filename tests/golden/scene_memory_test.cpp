@@ -213,7 +213,7 @@ TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
 TEST_F(SceneMemory, AnAllocationThatIsTooLargeIsRefusedWithTheLimit) {
   device_.max_allocation_bytes = 1 << 20;
   try {
-    (void)gpu::make_mapped_buffer(device_, 3 << 20, vk::BufferUsageFlagBits::eStorageBuffer, "too much");
+    (void)gpu::make_upload_buffer(device_, 3 << 20, vk::BufferUsageFlagBits::eStorageBuffer, "too much");
     FAIL() << "3 MiB were allocated";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("'too much'"), std::string::npos) << error.what();
@@ -259,11 +259,11 @@ TEST_F(SceneMemory, UploadsArriveWhateverTheirSizeAgainstTheStagingBuffer) {
     at += size;
   }
   uploads.flush();
-  const gpu::Buffer readback = gpu::make_readback_buffer(device_, kBytes, "read-back");
+  const gpu::ReadbackBuffer readback = gpu::make_readback_buffer(device_, kBytes, "read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     commands.copyBuffer(*target.buffer, *readback.buffer, vk::BufferCopy{.size = kBytes});
   });
-  EXPECT_EQ(std::memcmp(readback.mapped, content.data(), kBytes), 0);
+  EXPECT_EQ(std::memcmp(readback.as<std::byte>().data(), content.data(), kBytes), 0);
 }
 
 }  // namespace

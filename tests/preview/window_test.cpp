@@ -60,12 +60,13 @@ gpu::Image make_eyes(const gpu::Device& device) {
                                      .format = vk::Format::eR8G8B8A8Unorm,
                                      .usage = Usage::eStorage | Usage::eTransferDst | Usage::eTransferSrc},
                                     "eyes");
-  const gpu::Buffer staging = gpu::make_mapped_buffer(device, kEye.pixels() * kEyes * 4,
-                                                      vk::BufferUsageFlagBits::eTransferSrc, "eyes staging");
+  const gpu::StagingBuffer staging =
+      gpu::make_staging_buffer(device, kEye.pixels() * kEyes * 4, "eyes staging");
   for (const Side side : kSides) {
     const Image<Rgb8> picture = pattern(side);
-    for (std::size_t i = 0; i < kEye.pixels(); ++i)
-      staging.as<Rgba8>()[index_of(side) * kEye.pixels() + i] = Rgba8(picture.pixels[i], 255);
+    staging.view<Rgba8>().part(index_of(side) * kEye.pixels(), kEye.pixels()).generate([&](std::size_t i) {
+      return Rgba8(picture.pixels[i], 255);
+    });
   }
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, eyes, Layout::eUndefined, Layout::eTransferDstOptimal);

@@ -61,8 +61,7 @@ void ComposePass::make_uploads() {
                               .format = vk::Format::eR8G8B8A8Unorm,
                               .usage = Usage::eStorage | Usage::eTransferDst | Usage::eTransferSrc},
                              "uploads");
-  staging_ = gpu::make_mapped_buffer(device_, eyes_.spec.size.pixels() * 4,
-                                     vk::BufferUsageFlagBits::eTransferSrc, "uploads staging");
+  staging_ = gpu::make_staging_buffer(device_, eyes_.spec.size.pixels() * 4, "uploads staging");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     constexpr auto filled = Layout::eTransferDstOptimal;
     gpu::transition(commands, uploads_, Layout::eUndefined, filled);
@@ -77,8 +76,9 @@ void ComposePass::make_uploads() {
 void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
   check(picture.size == eyes_.spec.size, "an upload has the size of the eyes");
   if (uploads_.spec.size.pixels() == 0) make_uploads();
-  const auto pixels = staging_.as<Rgba8>();
-  for (std::size_t i = 0; i < picture.pixels.size(); ++i) pixels[i] = Rgba8(picture.pixels[i], 255);
+  staging_.view<Rgba8>()
+      .part(0, picture.pixels.size())
+      .generate([from = picture.pixels.data()](std::size_t i) { return Rgba8(from[i], 255); });
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     const gpu::LayerRange layer{static_cast<std::uint32_t>(index_of(side)), 1};
     constexpr auto filled = Layout::eTransferDstOptimal;

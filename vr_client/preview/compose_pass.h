@@ -45,7 +45,7 @@ class ComposePass {
   vk::raii::PipelineLayout layout_{nullptr};
   vk::raii::Pipeline nearest_{nullptr}, linear_{nullptr};  ///< pipelines of the anaglyph
   gpu::Image uploads_;                                     ///< created by the first upload
-  gpu::Buffer staging_;
+  gpu::StagingBuffer staging_;
 };
 
 }  // namespace farshade

@@ -103,7 +103,8 @@ Image<Rgb8> Presenter::read_back(const Composition& composition) const {
                        .format = swapchain_.format(),
                        .usage = Usage::eColorAttachment | Usage::eTransferDst | Usage::eTransferSrc},
                       "composed");
-  const gpu::Buffer pixels = gpu::make_readback_buffer(device_, size.pixels() * 4, "composed read-back");
+  const gpu::ReadbackBuffer pixels =
+      gpu::make_readback_buffer(device_, size.pixels() * 4, "composed read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     compose_->record(commands, composition, {*target.image, *target.view, size});
     gpu::transition(commands, target, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal);
@@ -111,11 +112,12 @@ Image<Rgb8> Presenter::read_back(const Composition& composition) const {
         *target.image, Layout::eTransferSrcOptimal, *pixels.buffer,
         vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
                             .imageExtent = {size.width, size.height, 1}});
+    gpu::show_copies_to_host(commands);
   });
   Image<Rgb8> result(size);
   const bool blue_first = swapchain_.format() == vk::Format::eB8G8R8A8Unorm;
   for (std::size_t i = 0; i < size.pixels(); ++i) {
-    const Rgba8 pixel = pixels.as<const Rgba8>()[i];
+    const Rgba8 pixel = pixels.as<Rgba8>()[i];
     result.pixels[i] = blue_first ? Rgb8(pixel.z, pixel.y, pixel.x) : Rgb8(pixel);
   }
   return result;

@@ -30,8 +30,8 @@ std::vector<std::uint32_t> fill(const gpu::Device& device, const gpu::Image& ima
   std::vector<std::uint32_t> words(image.spec.size.pixels() * image.spec.layers);
   for (std::uint32_t& word : words)
     word = static_cast<std::uint32_t>(random() % 0x3f800001u);  // as floats, 0 to 1
-  const gpu::Buffer staging = gpu::make_staging_buffer(device, words.size() * 4, "words");
-  std::ranges::copy(words, staging.as<std::uint32_t>().begin());
+  const gpu::StagingBuffer staging = gpu::make_staging_buffer(device, words.size() * 4, "words");
+  staging.view<std::uint32_t>().copy(words);
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, Layout::eUndefined, Layout::eTransferDstOptimal);
     commands.copyBufferToImage(*staging.buffer, *image.image, Layout::eTransferDstOptimal, whole(image));
@@ -42,7 +42,7 @@ std::vector<std::uint32_t> fill(const gpu::Device& device, const gpu::Image& ima
 
 std::vector<std::uint32_t> read(const gpu::Device& device, const gpu::Image& image, Layout layout) {
   const std::size_t words = image.spec.size.pixels() * image.spec.layers;
-  const gpu::Buffer back = gpu::make_readback_buffer(device, words * 4, "back");
+  const gpu::ReadbackBuffer back = gpu::make_readback_buffer(device, words * 4, "back");
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, layout, Layout::eTransferSrcOptimal);
     commands.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *back.buffer, whole(image));

@@ -43,7 +43,7 @@ std::size_t check_against_definition(const EyeMask& mask) {
   const MaskLayout layout = with_edge_bits(mask.layout());
   const std::uint32_t lights = mask.lights(), first = first_edge_bit(lights);
   std::vector<std::byte> out(mask_bytes(mask.size(), layout), std::byte{0xA5});
-  copy_with_edges(mask, out);
+  copy_with_edges(mask, WriteOnly(std::span(out)));
   std::size_t edges = 0, wrong = 0;
   for (std::uint32_t y = 0; y < mask.size().height; ++y)
     for (std::uint32_t x = 0; x < mask.size().width; ++x)

@@ -62,7 +62,7 @@ void expect_quads(const Base& base, std::size_t eye) {
   const EyeMask& mask = base.masks[eye];
   const std::size_t word_bytes = mask.layout().word_bytes();
   std::vector<std::byte> quads(quad_bytes(mask.size(), mask.layout()));
-  write_quads(base.traced(), eye, quads);
+  write_quads(base.traced(), eye, WriteOnly(std::span(quads)));
   for (std::uint32_t light = 0; light < mask.lights(); ++light)
     for (std::uint32_t y = 0; y < mask.size().height; ++y)
       for (std::uint32_t x = 0; x < mask.size().width; ++x) {

@@ -49,7 +49,7 @@ Written written(const std::vector<Motion>& motions, const std::vector<Motion>& c
   const auto since = pointers(motions), since_faces = pointers(cube_mask);
   Written result;
   for (std::size_t slot = 0; slot < kSlots; ++slot)
-    write_motions(some_views(), {since, since_faces}, slot, result.matrices);
+    write_motions(some_views(), {since, since_faces}, slot, WriteOnly(std::span(result.matrices)));
   return result;
 }
 
