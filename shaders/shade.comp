@@ -45,6 +45,7 @@ layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
 layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
 layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
 layout(constant_id = FARSHADE_CONSTANT_CUBE_MASK) const bool kCubeMask = true;
+layout(constant_id = FARSHADE_CONSTANT_ROW_GROUPS) const uint kRowGroups = FARSHADE_ROW_GROUPS;
 
 // 0 left, 1 right. As a constant, it would double what drivers compile.
 layout(push_constant) uniform Dispatch { uint shown_eye; };
@@ -58,7 +59,8 @@ layout(binding = 6) uniform usampler2DArray surfaces;
 layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
 #ifndef DIRECT
 layout(std430, binding = 8) buffer Hard {
-  // For each eye two lists: hard pixels, and those on instances that can move. xyz = dispatch size, w = length.
+  // For each eye two lists: hard pixels, and those on instances that can move. xyz = dispatch size, w = length. The
+  // dispatch has rows of kRowGroups workgroups; if there is one row only, it may be shorter.
   uvec4 hard_lists[4];
   // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
   uint hard_pixels[];
@@ -165,7 +167,11 @@ uint list_place(uint i, bool can_move) {
 
 void list_as_hard(ivec2 pixel, bool can_move) {
   uint list = shown_eye * 2 + uint(can_move), i = atomicAdd(hard_lists[list].w, 1);
-  if (i % gl_WorkGroupSize.x == 0) atomicAdd(hard_lists[list].x, 1);
+  if (i % gl_WorkGroupSize.x == 0) {
+    uint group = i / gl_WorkGroupSize.x;
+    if (group < kRowGroups) atomicAdd(hard_lists[list].x, 1);
+    if (group % kRowGroups == 0) atomicAdd(hard_lists[list].y, 1);
+  }
   hard_pixels[list_place(i, can_move)] = pixel.x | pixel.y << 16;
 }
 #else
@@ -344,7 +350,8 @@ void shade(ivec2 pixel, bool wanted) {
 void main() {
 #ifdef SECOND_LOOK
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
-  uint i = gl_GlobalInvocationID.x, place = list_place(i, can_move), pixel = 0u;
+  uint i = gl_GlobalInvocationID.y * (kRowGroups * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x;
+  uint place = list_place(i, can_move), pixel = 0u;
   bool listed = i < hard_lists[shown_eye * 2 + uint(can_move)].w;
   if (listed) pixel = hard_pixels[place];
   shade(ivec2(pixel & 0xFFFFu, pixel >> 16), listed);

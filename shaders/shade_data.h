@@ -38,7 +38,12 @@
 #define FARSHADE_CONSTANT_PCF_RADIUS 14         // texels
 #define FARSHADE_CONSTANT_DETAIL 15             // limit of the geometric error of what is drawn, pixels
 #define FARSHADE_CONSTANT_CUBE_MASK 16          // points that no view's mask knows are looked up in the cube mask
-#define FARSHADE_CONSTANTS 17
+#define FARSHADE_CONSTANT_ROW_GROUPS 17         // workgroups in a row of a dispatch over listed pixels
+#define FARSHADE_CONSTANTS 18
+
+// Devices guarantee so many workgroups along each side of a dispatch, so the groups of longer lists form rows.
+// All rows but a single one have full length, so a list of a little more than a row runs twice as many groups.
+#define FARSHADE_ROW_GROUPS 65535
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.

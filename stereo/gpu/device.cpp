@@ -9,9 +9,6 @@
 namespace farshade::gpu {
 namespace {
 
-/// The uniform buffer of shade.comp for kMaxLights lights. Almost every driver allows it.
-constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
-
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 /// The types of the parameters depend on the version of the Vulkan headers.
@@ -118,7 +115,12 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (std::string(properties.deviceName).find(options.name_contains) == std::string::npos)
     return "its name lacks '" + options.name_contains + "'";
   if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
-  if (properties.limits.maxUniformBufferRange < kUniformRange_bytes) return "uniform buffers are too short";
+  if (properties.limits.maxUniformBufferRange < kUniformRange_bytes)
+    return "uniform buffers of " + std::to_string(properties.limits.maxUniformBufferRange) + " bytes, and " +
+           std::to_string(kUniformRange_bytes) + " are needed";
+  const std::string format =
+      lacking_format([&](vk::Format one) { return physical.getFormatProperties(one).optimalTilingFeatures; });
+  if (!format.empty()) return format;
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
   if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer ||
@@ -254,6 +256,9 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
   device.max_allocations = properties.limits.maxMemoryAllocationCount;
   device.max_image_side_px = properties.limits.maxImageDimension2D;
   device.max_image_layers = properties.limits.maxImageArrayLayers;
+  device.max_storage_bytes = properties.limits.maxStorageBufferRange;
+  device.max_groups = {properties.limits.maxComputeWorkGroupCount[0],
+                       properties.limits.maxComputeWorkGroupCount[1]};
   device.max_allocation_bytes =
       device.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties>()
           .get<vk::PhysicalDeviceVulkan11Properties>()

@@ -2,6 +2,7 @@
 /// on, it keeps every message of the validation layers; tests expect none.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device_options.h"
+#include "stereo/gpu/formats.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/gpu/recording.h"
 
@@ -34,6 +36,9 @@ struct QueueUse {
   std::atomic<std::uint64_t> waits{0};        ///< of the host for the device
 };
 
+/// The longest uniform block that a device must allow. Almost every driver does.
+inline constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
+
 struct Device {
   vk::raii::Context context;
   std::unique_ptr<ValidationLog> validation_log;  ///< null when validation is off
@@ -47,11 +52,15 @@ struct Device {
   vk::raii::CommandPool commands{nullptr};
   vk::raii::PipelineCache pipelines{nullptr};  ///< pipeline_cache.h fills and keeps it
   vk::PhysicalDeviceMemoryProperties memory;
-  std::uint64_t max_allocations = 0;       ///< that may exist at one time (maxMemoryAllocationCount)
-  std::uint64_t max_allocation_bytes = 0;  ///< of one allocation (maxMemoryAllocationSize)
-  std::uint32_t max_image_side_px = 0;     ///< maxImageDimension2D
-  std::uint32_t max_image_layers = 0;      ///< maxImageArrayLayers
-  bool timelines = false;                  ///< it has timeline semaphores
+  std::uint64_t max_allocations = 0;          ///< that may exist at one time (maxMemoryAllocationCount)
+  std::uint64_t max_allocation_bytes = 0;     ///< of one allocation (maxMemoryAllocationSize)
+  std::uint32_t max_image_side_px = 0;        ///< maxImageDimension2D
+  std::uint32_t max_image_layers = 0;         ///< maxImageArrayLayers
+  std::array<std::uint32_t, 2> max_groups{};  ///< of a dispatch along x and y (maxComputeWorkGroupCount)
+  std::uint64_t max_storage_bytes = 0;        ///< of a storage buffer (maxStorageBufferRange)
+  /// Limits of the images of a format. Tests replace it.
+  std::function<decltype(gpu::image_limits)> image_limits = gpu::image_limits;
+  bool timelines = false;                     ///< it has timeline semaphores
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   std::shared_ptr<QueueUse> use = std::make_shared<QueueUse>();
   std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< of submit_and_wait

@@ -18,16 +18,47 @@ std::uint32_t memory_type(const Device& device, std::uint32_t allowed,
   throw std::runtime_error("vkAllocateMemory: no memory type fits");
 }
 
+/// What makes a buffer or image smaller.
+std::string cure(Use use) {
+  switch (use) {
+    case Use::Vertices:
+    case Use::Textures:
+      return "a smaller scene needs less";
+    case Use::Frame:
+    case Use::Motion:
+      return "a scene with fewer instances needs less";
+    case Use::ShadowMaps:
+      return "smaller shadow maps (--shadow-maps) need less";
+    case Use::Report:
+      return "a run without comparison (--reference-every 0) needs none, fewer pixels an eye (--size) need "
+             "less";
+    default:
+      return "fewer pixels an eye (--size, --xr-scale) need less";
+  }
+}
+
+/// Refuses `wanted` with the device's limit: the call that would fail, what the device allows, and the cure.
+[[noreturn]] void refuse(const Device& device, const char* call, const std::string& name, Use use,
+                         const std::string& allowed) {
+  throw std::runtime_error(std::string(call) + " for '" + name + "': " + device.name + " allows " + allowed +
+                           ": " + cure(use));
+}
+
+/// "LIMIT UNIT, and NEEDED are needed", rounded so that the numbers differ.
+std::string mebibytes(std::uint64_t limit, std::uint64_t needed, const char* where) {
+  constexpr std::uint64_t kMiB = 1 << 20;
+  return std::to_string(limit / kMiB) + " MiB " + where + ", and " +
+         std::to_string((needed + kMiB - 1) / kMiB) + " MiB are needed";
+}
+
 Allocation allocate(const Device& device, std::size_t bytes, std::uint32_t type, const std::string& name,
                     Use use) {
-  const auto refuse = [&](const std::string& what) {
-    throw std::runtime_error("vkAllocateMemory for '" + name + "': " + device.name + " allows " + what);
-  };
+  constexpr const char* kCall = "vkAllocateMemory";
   if (device.ledger->read().allocations >= device.max_allocations)
-    refuse(std::to_string(device.max_allocations) + " allocations, and all are in use");
+    refuse(device, kCall, name, use,
+           std::to_string(device.max_allocations) + " allocations, and all are in use");
   if (bytes > device.max_allocation_bytes)
-    refuse(std::to_string(device.max_allocation_bytes >> 20) + " MiB in one allocation, and " +
-           std::to_string(bytes >> 20) + " MiB are needed");
+    refuse(device, kCall, name, use, mebibytes(device.max_allocation_bytes, bytes, "in one allocation"));
   Allocation result;
   result.memory = device.logical.allocateMemory({.allocationSize = bytes, .memoryTypeIndex = type});
   result.charge = Charge(device.ledger, use, bytes);
@@ -38,6 +69,9 @@ Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags
                    std::initializer_list<vk::MemoryPropertyFlags> memory, const std::string& name, Use use) {
   Buffer result;
   result.bytes = std::max<std::size_t>(bytes, 16);
+  if ((usage & vk::BufferUsageFlagBits::eStorageBuffer) && result.bytes > device.max_storage_bytes)
+    refuse(device, "vkCreateBuffer", name, use,
+           mebibytes(device.max_storage_bytes, result.bytes, "in one storage buffer"));
   result.buffer = device.logical.createBuffer({.size = result.bytes, .usage = usage});
   const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
   Allocation allocation =
@@ -60,17 +94,36 @@ vk::ImageAspectFlags aspect_of(vk::Format format) {
   return format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
 }
 
+/// Bytes of all levels and layers, without padding.
+std::uint64_t least_bytes(const ImageSpec& spec) {
+  std::uint64_t pixels = 0;
+  for (std::uint32_t mip = 0; mip < spec.mip_levels; ++mip)
+    pixels += std::uint64_t{std::max(spec.size.width >> mip, 1u)} * std::max(spec.size.height >> mip, 1u);
+  return pixels * spec.layers * pixel_bytes(spec.format);
+}
+
+/// Throws if the image is larger than the device allows.
+void check_limits(const Device& device, const ImageSpec& spec, const std::string& name) {
+  const auto refused = [&](const std::string& allowed) {
+    refuse(device, "vkCreateImage", name, spec.use, allowed);
+  };
+  const auto limits = device.image_limits(device.physical, spec.format, spec.usage);
+  if (!limits) refused("no " + vk::to_string(spec.format) + " as " + vk::to_string(spec.usage));
+  const std::uint32_t side = std::max(spec.size.width, spec.size.height),
+                      most = std::min(
+                          {device.max_image_side_px, limits->maxExtent.width, limits->maxExtent.height}),
+                      layers = std::min(device.max_image_layers, limits->maxArrayLayers);
+  if (side > most)
+    refused(std::to_string(most) + " pixels a side, and " + std::to_string(side) + " are needed");
+  if (spec.layers > layers)
+    refused(std::to_string(layers) + " layers, and " + std::to_string(spec.layers) + " are needed");
+  if (least_bytes(spec) > limits->maxResourceSize)
+    refused(mebibytes(limits->maxResourceSize, least_bytes(spec), "in one image"));
+}
+
 /// An image without memory and view. Throws if it is larger than the device allows.
 Image bare_image(const Device& device, const ImageSpec& spec, const std::string& name) {
-  const auto refuse = [&](const std::string& what) {
-    throw std::runtime_error("vkCreateImage for '" + name + "': " + device.name + " allows " + what);
-  };
-  if (const std::uint32_t side = std::max(spec.size.width, spec.size.height); side > device.max_image_side_px)
-    refuse(std::to_string(device.max_image_side_px) + " pixels a side, and " + std::to_string(side) +
-           " are needed");
-  if (spec.layers > device.max_image_layers)
-    refuse(std::to_string(device.max_image_layers) + " layers, and " + std::to_string(spec.layers) +
-           " are needed");
+  check_limits(device, spec, name);
   Image result;
   result.spec = spec;
   result.aspect = aspect_of(spec.format);

@@ -9,6 +9,13 @@
 
 namespace farshade::gpu {
 
+/// The push constants of a pipeline layout.
+template <class T>
+[[nodiscard]] constexpr vk::PushConstantRange push_constants(vk::ShaderStageFlags stages) {
+  static_assert(sizeof(T) <= 128, "Vulkan guarantees 128 bytes of push constants");
+  return {stages, 0, sizeof(T)};
+}
+
 /// The kind of one binding of a descriptor set; `count` > 1 is an array.
 struct BindingKind {
   vk::DescriptorType type;

@@ -27,7 +27,7 @@ void HiddenPass::load(const PerEye<HiddenArea>& hidden) {
 
 void HiddenPass::need_pipeline() {
   if (*pipeline_) return;
-  const vk::PushConstantRange drawn{vk::ShaderStageFlagBits::eVertex, 0, sizeof(Drawn)};
+  const auto drawn = gpu::push_constants<Drawn>(vk::ShaderStageFlagBits::eVertex);
   layout_ =
       device_.logical.createPipelineLayout({.pushConstantRangeCount = 1, .pPushConstantRanges = &drawn});
   pipeline_ = make_hidden_pipeline(device_, layout_, plan_, outputs_);

@@ -17,6 +17,9 @@ static_assert(kMaxMasks * kEyes == FARSHADE_FIRST_FACE && kCubeMaskPairs == FARS
               kFirstFace + kCubeMaskPairs * kEyes == FARSHADE_MAX_SOURCES &&
               kMaxMasks + kCubeMaskPairs == FARSHADE_MAX_TRACED && kMostSpheres == FARSHADE_MAX_MOVED);
 
+static_assert(sizeof(gpu::FrameData) <= gpu::kUniformRange_bytes &&
+              (kMaxLights + 1) * sizeof(gpu::LightData) <= gpu::kUniformRange_bytes);
+
 /// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
 constexpr double kMeaninglessTurn_rad = 0.25;
 
@@ -74,6 +77,7 @@ ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const 
       bytes_(bytes),
       motion_count_(motion.slot_count()),
       pipelines_(device, plan, motion.slot_count() > 0) {
+  check(fits_dispatches(size, device.max_groups), "the device allows the workgroups of a picture");
   make_buffers(motion);
   make_sets(gbuffer);
   if (!plan.builds_late) make_all_pipelines();
@@ -301,7 +305,8 @@ void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32
   bind(commands, pass, report);
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     push_shown_eye(commands, need_layout(report), eye);
-    commands.dispatch((size_.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size_.height, 1);
+    const GroupCounts groups = picture_groups(size_);
+    commands.dispatch(groups[0], groups[1], 1);
   }
 }
 
@@ -317,7 +322,7 @@ void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uin
 
 void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
   std::array<glm::uvec4, 2 * kEyes> empty;
-  empty.fill({0, 1, 1, 0});
+  empty.fill({0, 0, 1, 0});
   commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty);
   barrier(commands, At::eTransfer, Access::eTransferWrite, At::eComputeShader,
           Access::eShaderRead | Access::eShaderWrite);

@@ -2,6 +2,9 @@
 /// the same figures.
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "shaders/shade_data.h"
 #include "shaders/shared.h"
 #include "stereo/frame/cube_mask.h"
@@ -59,6 +62,27 @@ struct RequestReprojectionBytes {
 [[nodiscard]] constexpr Extent blocks_of(Extent size) {
   return {(size.width + kBlockSide_px - 1) / kBlockSide_px,
           (size.height + kBlockSide_px - 1) / kBlockSide_px};
+}
+
+/// Workgroups in a row of a dispatch over listed pixels, on a device that allows `most` along x.
+[[nodiscard]] constexpr std::uint32_t row_groups(std::uint32_t most) {
+  return std::min<std::uint32_t>(most, FARSHADE_ROW_GROUPS);
+}
+/// The size of a dispatch of shade.comp, in workgroups.
+using GroupCounts = std::array<std::uint32_t, 2>;
+[[nodiscard]] constexpr GroupCounts picture_groups(Extent size) {
+  return {(size.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size.height};
+}
+[[nodiscard]] constexpr GroupCounts listed_groups(std::size_t pixels, std::uint32_t row_groups) {
+  const std::size_t groups = (pixels + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP;
+  return {static_cast<std::uint32_t>(std::min<std::size_t>(groups, row_groups)),
+          static_cast<std::uint32_t>((groups + row_groups - 1) / row_groups)};
+}
+/// Whether a device that allows `most` groups shades an eye of `size`, also if all pixels are listed.
+[[nodiscard]] constexpr bool fits_dispatches(Extent size, const GroupCounts& most) {
+  const GroupCounts picture = picture_groups(size),
+                    listed = listed_groups(size.pixels(), row_groups(most[0]));
+  return picture[0] <= most[0] && picture[1] <= most[1] && listed[1] <= most[1];
 }
 
 /// For shown eyes of `size` and masks of at most `traced_size` pixels.

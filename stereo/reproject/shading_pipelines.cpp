@@ -59,7 +59,8 @@ SpirvWords shader_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
   return key.reports ? variants.reports : variants.plain;
 }
 
-std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& plan) {
+std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& plan,
+                                        const gpu::Device& device) {
   const auto word_of = [](float value) { return std::bit_cast<std::uint32_t>(value); };
   std::vector<std::uint32_t> constants(FARSHADE_CONSTANTS);
   constants[FARSHADE_CONSTANT_LIGHTS] = plan.mask.lights;
@@ -79,6 +80,7 @@ std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& p
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
   constants[FARSHADE_CONSTANT_CUBE_MASK] = plan.cube_mask;
+  constants[FARSHADE_CONSTANT_ROW_GROUPS] = row_groups(device.max_groups[0]);
   return constants;
 }
 
@@ -102,7 +104,7 @@ void ShadingPipelines::need_all(const std::set<ShadingKey>& keys, const vk::raii
 vk::raii::Pipeline ShadingPipelines::make(const ShadingKey& key,
                                           const vk::raii::PipelineLayout& layout) const {
   return gpu::make_compute_pipeline(device_, layout, shader_of(key, plan_.mask.lights, motion_),
-                                    constants_of(key, plan_), "shade");
+                                    constants_of(key, plan_, device_), "shade");
 }
 
 }  // namespace farshade

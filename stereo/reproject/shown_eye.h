@@ -6,7 +6,8 @@
 
 namespace farshade {
 
-inline constexpr vk::PushConstantRange kShownEye{vk::ShaderStageFlagBits::eCompute, 0, sizeof(std::uint32_t)};
+inline constexpr vk::PushConstantRange kShownEye =
+    gpu::push_constants<std::uint32_t>(vk::ShaderStageFlagBits::eCompute);
 
 inline void push_shown_eye(const vk::raii::CommandBuffer& commands, const vk::raii::PipelineLayout& layout,
                            std::uint32_t eye) {

@@ -91,8 +91,7 @@ TimewarpPass::TimewarpPass(const gpu::Device& device, const gpu::Image& shown, E
   gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
   gpu::bind_buffer(device, bindings_, 2, light_of_.buffer());
   light_of_.view<float>().copy(light_of_levels());
-  const vk::PushConstantRange push{.stageFlags = vk::ShaderStageFlagBits::eCompute,
-                                   .size = sizeof(gpu::TimewarpData)};
+  const auto push = gpu::push_constants<gpu::TimewarpData>(vk::ShaderStageFlagBits::eCompute);
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
                                                  .pSetLayouts = &*bindings_.layout,
                                                  .pushConstantRangeCount = 1,

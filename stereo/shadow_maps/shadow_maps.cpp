@@ -6,6 +6,8 @@ namespace {
 using Layout = vk::ImageLayout;
 using Kind = LayerUpdate::Kind;
 
+static_assert((kMaxLights + 1) * sizeof(gpu::ShadowMapData) <= gpu::kUniformRange_bytes);
+
 constexpr auto kDepthTarget = vk::ImageUsageFlagBits::eDepthStencilAttachment;
 
 /// `layers` can be made for `settings`.

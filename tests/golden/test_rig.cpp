@@ -48,7 +48,10 @@ OnLavapipe::OnLavapipe()
       max_allocations_(device_.max_allocations),
       max_allocation_bytes_(device_.max_allocation_bytes),
       max_image_side_px_(device_.max_image_side_px),
-      max_image_layers_(device_.max_image_layers) {
+      max_image_layers_(device_.max_image_layers),
+      max_groups_(device_.max_groups),
+      max_storage_bytes_(device_.max_storage_bytes),
+      image_limits_(device_.image_limits) {
   device_.ledger = std::make_shared<gpu::Ledger>();
 }
 
@@ -57,6 +60,9 @@ OnLavapipe::~OnLavapipe() {
   device_.max_allocation_bytes = max_allocation_bytes_;
   device_.max_image_side_px = max_image_side_px_;
   device_.max_image_layers = max_image_layers_;
+  device_.max_groups = max_groups_;
+  device_.max_storage_bytes = max_storage_bytes_;
+  device_.image_limits = image_limits_;
   device_.pipelines = nullptr;
   const std::vector<std::string> messages = device_.validation_log->messages();
   for (std::size_t i = earlier_messages_; i < messages.size(); ++i) ADD_FAILURE() << messages[i];

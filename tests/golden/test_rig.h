@@ -29,6 +29,9 @@ class OnLavapipe : public testing::Test {
   std::size_t earlier_messages_;
   std::uint64_t max_allocations_, max_allocation_bytes_;
   std::uint32_t max_image_side_px_, max_image_layers_;
+  std::array<std::uint32_t, 2> max_groups_;
+  std::uint64_t max_storage_bytes_;
+  std::function<decltype(gpu::image_limits)> image_limits_;
 };
 
 /// A bundled scene. Throws if it cannot be loaded.

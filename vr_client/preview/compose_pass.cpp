@@ -37,7 +37,7 @@ ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::
   for (const std::uint32_t binding : {0u, 1u})
     gpu::bind_image(device, bindings_, binding, {*eyes.view, Layout::eGeneral, nullptr});
   const vk::DescriptorSetLayout set = *bindings_.layout;
-  const vk::PushConstantRange push{vk::ShaderStageFlagBits::eFragment, 0, sizeof(gpu::AnaglyphData)};
+  const auto push = gpu::push_constants<gpu::AnaglyphData>(vk::ShaderStageFlagBits::eFragment);
   layout_ = device.logical.createPipelineLayout(
       {.setLayoutCount = 1, .pSetLayouts = &set, .pushConstantRangeCount = 1, .pPushConstantRanges = &push});
   nearest_ = make_pipeline(Filter::Nearest, format);

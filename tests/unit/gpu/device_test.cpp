@@ -75,5 +75,16 @@ TEST(Device, OneThatCannotPresentIsRefusedUnlessPresentingIsOnlyWished) {
   }
 }
 
+TEST(Formats, NameTheOneThatLacksAFeature) {
+  const auto all = [](vk::Format) { return ~vk::FormatFeatureFlags{}; };
+  EXPECT_EQ(lacking_format(all), "");
+  const auto no_storage = [](vk::Format format) {
+    return format == vk::Format::eR8G8B8A8Unorm
+               ? ~vk::FormatFeatureFlags(vk::FormatFeatureFlagBits::eStorageImage)
+               : ~vk::FormatFeatureFlags{};
+  };
+  EXPECT_EQ(lacking_format(no_storage), "R8G8B8A8Unorm without { StorageImage }");
+}
+
 }  // namespace
 }  // namespace farshade::gpu
