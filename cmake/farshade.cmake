@@ -148,8 +148,7 @@ function(farshade_test name)
   endif()
   target_compile_definitions(${name} PRIVATE
     FARSHADE_ASSETS="${PROJECT_SOURCE_DIR}/assets"
-    FARSHADE_SOURCE="${PROJECT_SOURCE_DIR}"
-    FARSHADE_BINARY="${PROJECT_BINARY_DIR}")
+    FARSHADE_SOURCE="${PROJECT_SOURCE_DIR}")
   if(NOT TARGET tests_${ARG_LABEL})
     add_custom_target(tests_${ARG_LABEL})
   endif()

@@ -16,6 +16,7 @@
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
@@ -317,7 +318,7 @@ Mask in_words_of(MaskLayout layout, Mask mask) {
   return mask;
 }
 
-class WholeScene : public OnLavapipe, public testing::WithParamInterface<const char*> {
+class WholeScene : public OnLavapipe, public testing::WithParamInterface<std::string> {
  protected:
   static constexpr std::uint32_t kSide_px = 160;
   static constexpr Time kThen{}, kNow = Time(400ms);
@@ -422,11 +423,9 @@ TEST_P(WholeScene, TakesTheMemoryThatIsPredictedWithShadowMaps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bundled, WholeScene,
-                         testing::Values(FARSHADE_ASSETS "/box_over_plane.gltf",
-                                         FARSHADE_ASSETS "/room.glb"));
+                         testing::Values(asset("box_over_plane.gltf"), asset("room.glb")));
 #ifdef FARSHADE_SHARED_SCENES
-INSTANTIATE_TEST_SUITE_P(Shared, WholeScene,
-                         testing::Values(FARSHADE_SHARED_SCENES "/modern_living_room.glb"));
+INSTANTIATE_TEST_SUITE_P(Shared, WholeScene, testing::Values(shared_scene("modern_living_room.glb")));
 #endif
 
 }  // namespace

@@ -6,12 +6,13 @@
 
 #include "stereo/image/codec.h"
 #include "tests/support/image_reader.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
 
 std::filesystem::path golden_path(const std::string& scene, const std::string& what, Side side) {
-  return std::filesystem::path(FARSHADE_SOURCE "/tests/golden/images") /
+  return test_root() / "tests/golden/images" /
          ("lavapipe_embree_" + scene + "_" + what + "_" + name_of(side) + ".png");
 }
 

@@ -12,6 +12,7 @@
 #include "stereo/raster/frame_data.h"
 #include "tests/golden/test_rig.h"
 #include "tests/support/nightly.h"
+#include "tests/support/test_place.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {
@@ -89,16 +90,15 @@ TEST_P(NeverWorse, ThanTheStaleMaskWithoutReprojection) {
   RecordProperty("mean_error_unmoved", std::to_string(sum_unmoved / (2 * frames)));
 }
 
-constexpr const char* kRoom = FARSHADE_ASSETS "/room.glb";
+const std::string kRoom = asset("room.glb");
 
-INSTANTIATE_TEST_SUITE_P(, NeverWorse,
-                         testing::Values(Walk{"Bundled", kRoom, FARSHADE_ASSETS "/walk.csv", 24, 24}),
+INSTANTIATE_TEST_SUITE_P(, NeverWorse, testing::Values(Walk{"Bundled", kRoom, asset("walk.csv"), 24, 24}),
                          testing::PrintToStringParamName());
 #ifdef FARSHADE_SHARED_SCENES
-constexpr const char* kLivingRoom = FARSHADE_SHARED_SCENES "/modern_living_room.glb";
+const std::string kLivingRoom = shared_scene("modern_living_room.glb");
 
-std::string user(const char* number) {
-  return std::string(FARSHADE_TRACES "/eyenavgs_truck_user") + number + ".csv";
+std::string user(const std::string& number) {
+  return shared_trace("eyenavgs_truck_user" + number + ".csv");
 }
 
 INSTANTIATE_TEST_SUITE_P(Recorded, NeverWorse,

@@ -19,6 +19,7 @@
 #include "tests/golden/reproject_reference.h"
 #include "tests/golden/test_rig.h"
 #include "tests/support/heat_map.h"
+#include "tests/support/test_place.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {
@@ -38,7 +39,7 @@ Scene scene_named(const std::string& name) {
   if (name == "box_over_plane") return bundled("box_over_plane.gltf");
   if (name == "room") return bundled("room.glb");
 #ifdef FARSHADE_SHARED_SCENES
-  auto scene = load_scene(FARSHADE_SHARED_SCENES "/" + name + ".glb");
+  auto scene = load_scene(shared_scene(name + ".glb"));
   if (scene) return std::move(*scene);
 #endif
   throw std::runtime_error("no scene " + name);
@@ -67,7 +68,7 @@ void write_artefact(const std::string& name, const PerEye<Image<Rgb8>>& shown,
       for (std::uint32_t y = 0; y < kDeltaSide_px; ++y)
         sheet.at(x, eye * kDeltaSide_px + y) = columns[x / kDeltaSide_px]->at(x % kDeltaSide_px, y);
   }
-  const std::filesystem::path folder = FARSHADE_BINARY "/pose_delta";
+  const std::filesystem::path folder = test_output() / "pose_delta";
   std::filesystem::create_directories(folder);
   const auto written = write_png(folder / (name + ".png"), sheet);
   EXPECT_TRUE(written) << written.error().what;

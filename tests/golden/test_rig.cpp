@@ -14,6 +14,7 @@
 #include "stereo/math/rotation.h"
 #include "stereo/plan/scene_plan.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
@@ -27,7 +28,7 @@ T value_of(Expected<T> value) {
 
 gpu::Device& shared_device() {
   static gpu::Device device =
-      value_of(gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}));
+      value_of(gpu::open_device({.name_contains = test_gpu(), .validation = gpu::Validation::On}));
   return device;
 }
 
@@ -69,7 +70,7 @@ OnLavapipe::~OnLavapipe() {
 }
 
 Scene bundled(const char* name) {
-  return value_of(load_scene(std::string(FARSHADE_ASSETS "/") + name));
+  return value_of(load_scene(asset(name)));
 }
 
 Scene with_lights(Scene scene, std::uint32_t count) {

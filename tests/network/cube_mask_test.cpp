@@ -11,6 +11,7 @@
 #include "stereo/gpu/device.h"
 #include "tests/network/rehearsal.h"
 #include "tests/support/nightly.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
@@ -41,7 +42,7 @@ double turn(double seconds, double from_s, double until_s, double angle_rad) {
 }
 
 Scene room(bool is_still) {
-  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  Scene scene = load_scene(asset("room.glb")).value();
   if (!is_still) return scene;
   scene.animation_length_s = 0;
   for (Node& node : scene.nodes) node.moving = false;
@@ -53,7 +54,7 @@ struct Worst {
 };
 
 Played played(const Scene& scene, const HeadRecording& head, const LinkModel& model) {
-  static const gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
+  static const gpu::Device device = gpu::open_device({.name_contains = test_gpu()}).value();
   return play({.device = device,
                .scene = scene,
                .head = head,

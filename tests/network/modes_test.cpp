@@ -13,6 +13,7 @@
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
@@ -21,9 +22,9 @@ using namespace std::chrono_literals;
 
 struct Setup {
   gpu::Device device =
-      gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}).value();
-  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
+      gpu::open_device({.name_contains = test_gpu(), .validation = gpu::Validation::On}).value();
+  Scene scene = load_scene(asset("room.glb")).value();
+  HeadRecording head = load_head_recording(asset("walk.csv"), {}).value();
 };
 const Setup& setup() {
   static const Setup shared;
@@ -102,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
 /// Box over plane with lights that go from a quarter to all of their intensity within a second. Nothing
 /// moves.
 Scene brightening() {
-  Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  Scene scene = load_scene(asset("box_over_plane.gltf")).value();
   LightTrack track;
   track.keys_s = {0, 1};
   track.values = {glm::vec4(0.25f), glm::vec4(1)};
@@ -202,7 +203,7 @@ TEST_P(EveryPictureMode, IsTurnedToTheShownPose) {
   const ModeSettings mode = GetParam().mode;
   const double least_dB = GetParam().least_dB;
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
-  const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  const Scene scene = load_scene(asset("box_over_plane.gltf")).value();
   const HeadRecording head = turning();
   Play play{.device = setup().device, .scene = scene, .head = head, .size = {160, 128}};
   play.frames = 30;

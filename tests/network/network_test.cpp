@@ -7,6 +7,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "tests/network/rehearsal.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
@@ -18,9 +19,9 @@ constexpr std::size_t kDriverSwing_bytes = 48u << 20;
 constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
 struct Setup {
-  gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
-  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
+  gpu::Device device = gpu::open_device({.name_contains = test_gpu()}).value();
+  Scene scene = load_scene(asset("room.glb")).value();
+  HeadRecording head = load_head_recording(asset("walk.csv"), {}).value();
 };
 
 /// Scene and device for all tests of this program.

@@ -10,13 +10,14 @@
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "tests/network/rehearsal.h"
+#include "tests/support/test_place.h"
 
 namespace farshade {
 namespace {
 
 /// The bundled room at its first instant: nothing moves.
 Scene still_room() {
-  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  Scene scene = load_scene(asset("room.glb")).value();
   scene.animation_length_s = 0;
   for (Node& node : scene.nodes) node.moving = false;
   return scene;
@@ -48,9 +49,9 @@ struct Measured {
 };
 
 struct Setup {
-  gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
+  gpu::Device device = gpu::open_device({.name_contains = test_gpu()}).value();
   Scene scene = still_room();
-  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
+  HeadRecording head = load_head_recording(asset("walk.csv"), {}).value();
 };
 
 /// Scene, device and head for all tests of this program.

@@ -9,6 +9,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "tests/support/manual_clock.h"
+#include "tests/support/test_place.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/scratch_folder.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -28,9 +29,9 @@ constexpr RendererLimits limits_of(Extent traced) {
 }
 
 struct Setup {
-  gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
-  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
+  gpu::Device device = gpu::open_device({.name_contains = test_gpu()}).value();
+  Scene scene = load_scene(asset("room.glb")).value();
+  HeadRecording head = load_head_recording(asset("walk.csv"), {}).value();
 };
 
 /// Scene and device for all tests of this program.
