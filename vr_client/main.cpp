@@ -7,6 +7,7 @@
 #include "stereo/base/heap.h"
 #include "stereo/sealing/layout.h"
 #include "vr_client/app.h"
+#include "vr_client/doctor/device_facts.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"
 #include "vr_client/pair/pair.h"
@@ -36,6 +37,13 @@ Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop
   return options.replay.empty() ? run_client(options, *stop) : run_replay(options, *stop);
 }
 
+/// Prints the text of a subcommand, or why there is none. Returns the exit status.
+int print(const Expected<std::string>& text) {
+  if (!text) spdlog::error(text.error().what);
+  std::fputs(text.value_or("").c_str(), stdout);
+  return text ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -45,12 +53,8 @@ int main(int argc, char** argv) try {
   spdlog::set_pattern("vr_client: %v");
   tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
-  if (options->pair) {
-    const Expected<std::string> paired = pair_with_server(*options->pair);
-    if (!paired) spdlog::error(paired.error().what);
-    std::fputs(paired.value_or("").c_str(), stdout);
-    return paired ? EXIT_SUCCESS : EXIT_FAILURE;
-  }
+  if (options->pair) return print(pair_with_server(*options->pair));
+  if (options->facts) return print(device_facts(*options->facts));
   if (options->doctor) return report(examine(*options->doctor));
   std::optional<StopSignal> stop;
   Expected<void> done = fetch_if_missing(*options, stop);

@@ -49,6 +49,7 @@ constexpr double kMostFrames = 4294967295.0;
 struct CommandLine {
   Options options;
   ClientDoctorOptions doctor;
+  DeviceFactsOptions facts;
   ClientPairOptions pair;
   std::string size = "512x512";
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
@@ -405,6 +406,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   make_readable(app);
   app.require_subcommand(0, 1);
   add_doctor(app, line.doctor);
+  add_device_facts(app, line.facts);
   add_pair(app, line.pair);
   add_scene_options(app, line);
   add_link_options(app, line.options);
@@ -425,8 +427,10 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       return tl::unexpected(EarlyExit{0});
     }
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
+    if (app.got_subcommand("device")) line.options.facts = line.facts;
     if (app.got_subcommand("pair")) line.options.pair = line.pair;
-    return line.options.doctor || line.options.pair ? std::move(line.options) : checked(std::move(line), app);
+    const bool has_subcommand = !app.get_subcommands().empty();
+    return has_subcommand ? std::move(line.options) : checked(std::move(line), app);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

@@ -15,6 +15,7 @@
 #include "stereo/requests/request_plan.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/scene/start_pose.h"
+#include "vr_client/doctor/device_facts.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
 #include "vr_client/pair/pair.h"
@@ -75,6 +76,7 @@ struct Options {
   double xr_scale = 1;                ///< size of an eye over the size that the headset's runtime recommends
   std::filesystem::path record_head;  ///< not empty: write the headset's head recording to this file
   std::optional<ClientDoctorOptions> doctor;  ///< set: only run the doctor
+  std::optional<DeviceFactsOptions> facts;    ///< set: only print the facts of the device
   std::optional<ClientPairOptions> pair;      ///< set: only pair with a server
 };
 

@@ -255,6 +255,25 @@ TEST(ClientDoctorAlone, NamesThePackageOfAMissingVulkanDriver) {
   expect_fail(diagnosis, "drawing", "no usable Vulkan", "mesa-vulkan-drivers");
 }
 
+TEST(DeviceFacts, AreJsonWithTheLimitsOfTheDevice) {
+  ChildProgram child(
+      {"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "device", "--gpu", "llvmpipe"});
+  const auto facts = nlohmann::json::parse(child.output());
+  EXPECT_EQ(child.wait(), 0);
+  EXPECT_NE(facts.at("name").get<std::string>().find("llvmpipe"), std::string::npos);
+  EXPECT_TRUE(facts.at("draws_on_the_cpu").get<bool>());
+  EXPECT_GE(facts.at("limits").at("maxImageDimension2D").get<int>(), 4096);
+  EXPECT_EQ(facts.at("limits").at("maxComputeWorkGroupCount").size(), 3u);
+  EXPECT_FALSE(facts.at("memory").at("heaps").empty());
+}
+
+TEST(DeviceFacts, OfNoDeviceAreAFailureThatNamesTheOthers) {
+  ChildProgram child(
+      {"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "device", "--gpu", "Voodoo2"});
+  EXPECT_NE(child.errors().find("its name lacks 'Voodoo2'"), std::string::npos);
+  EXPECT_EQ(child.wait(), 1);
+}
+
 TEST(Doctors, HaveHelp) {
   for (const std::string program : {RT_SERVER, VR_CLIENT}) {
     ChildProgram child({program, "doctor", "--help"});

@@ -440,6 +440,13 @@ TEST(ReadOptions, RunsTheDoctorWithoutOtherOptions) {
   EXPECT_FALSE(read_more({}).options->doctor.has_value());
 }
 
+TEST(ReadOptions, DescribesADeviceWithoutOtherOptions) {
+  const Outcome read = farshade::read({"device", "--gpu", "Voodoo2"});
+  ASSERT_TRUE(read.options.has_value()) << read.errors;
+  ASSERT_TRUE(read.options->facts.has_value());
+  EXPECT_EQ(read.options->facts->gpu, "Voodoo2");
+}
+
 TEST(ReadOptions, NamesMissingOptions) {
   EXPECT_EQ(read({}).options.error().status, 2);
   const Outcome outcome = read({"--scene", "a.glb"});
