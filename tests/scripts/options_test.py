@@ -6,10 +6,11 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-BASH_SCRIPTS = ["bench", "demo", "format", "heads", "networks", "prediction", "preview", "reprojection", "scenes", "setup", "soak",
+BASH_SCRIPTS = ["bench", "demo", "format", "gpu-bundle", "heads", "networks", "prediction", "preview", "reprojection", "scenes", "setup", "soak",
                 "stability", "study", "test"]
 # These three pass the options that they do not know to a program.
 PASSING_ON = {"demo", "networks", "preview"}
+OTHER_BASH_SCRIPTS = ["tests/gpu/bare_root", "tests/gpu/check"]
 PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/folders", "scripts/frame-path", "scripts/mutate", "tests/scenes/heads.py", "tests/scenes/scenes.py", "tests/scripts/function_length.py", "tests/stability/report.py",
                    "tests/study/compare.py", "tests/study/rivals.py", "tests/study/study.py"]
 
@@ -29,6 +30,7 @@ class Options(unittest.TestCase):
 
     def test_help_prints_usage_and_writes_nothing(self):
         commands = [[f"{ROOT}/scripts/{name}"] for name in BASH_SCRIPTS] + [
+            [f"{ROOT}/{name}"] for name in OTHER_BASH_SCRIPTS] + [
             [sys.executable, "-B", f"{ROOT}/{name}"] for name in PYTHON_PROGRAMS]
         for command in commands:
             with self.subTest(command=command[-1]):

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <string_view>
 
 #include "stereo/gpu/memory.h"
 #include "stereo/gpu/pass.h"
+#include "tests/support/test_place.h"
 
 namespace farshade::gpu {
 namespace {
@@ -29,6 +31,25 @@ TEST(Device, OneThatDoesNotFinishInTimeIsLostAndAnotherCanBeOpened) {
   }  // destroying what the driver still writes to would end the program here
   const Device device = open_device({}).value();
   write_much(device);
+}
+
+/// Synchronisation checks are an option of the validation layer, which `check` of scripts/gpu-bundle turns
+/// on. It trusts them only if they find this hazard.
+TEST(SynchronisationChecks, FindAMissingBarrier) {
+  const char* const options = std::getenv("VK_LAYER_ENABLES");
+  if (options == nullptr || std::string_view(options).find("SYNCHRONIZATION") == std::string_view::npos)
+    GTEST_SKIP() << "VK_LAYER_ENABLES does not turn them on";
+  const Expected<Device> device = open_device({.name_contains = test_gpu(), .validation = Validation::On});
+  ASSERT_TRUE(device) << device.error().what;
+  constexpr std::size_t kBytes = 1024;
+  const Buffer written =
+      make_device_buffer(*device, kBytes, vk::BufferUsageFlagBits::eTransferDst, "written");
+  run_now(*device, [&](const vk::raii::CommandBuffer& commands) {
+    for (const std::uint32_t value : {1u, 2u}) commands.fillBuffer(*written.buffer, 0, kBytes, value);
+  });
+  const std::vector<std::string> messages = device->validation_log->messages();
+  ASSERT_FALSE(messages.empty());
+  EXPECT_NE(messages[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << messages[0];
 }
 
 /// Queues count with 36 to 64 bits; what stands above them is undefined.
