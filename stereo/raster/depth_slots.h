@@ -1,7 +1,7 @@
 /// DepthSlots: which place holds the depth of which request. Places are numbered as they are first needed. A
-/// request has the slot of its record (stereo/answers/assembler.h), and the slot has a place only while a mask
-/// may still be used with the depth there. So the number of places follows the latency of the answers. Pure;
-/// no device needed.
+/// request has the slot of its record (stereo/answers/assembler.h), and the slot has a place only while a
+/// mask may still be used with the depth there. So the number of places follows the latency of the answers.
+/// Pure; no device needed.
 #pragma once
 
 #include <cstddef>

@@ -305,6 +305,36 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
   EXPECT_GT(traced, kFrames / 2);
 }
 
+/// A device that allows no allocation of the depth of three requests has room for any number of requests.
+TEST_F(Economy, TheDepthOfEachRequestIsAnAllocationOfItsOwn) {
+  constexpr Extent kLarge{1024, 1024};
+  constexpr std::uint32_t kRequests = 6;
+  const std::uint64_t depth_bytes = kEyes * kLarge.pixels() * 4, most_bytes = 3 * depth_bytes - 1;
+  device_.max_allocation_bytes = most_bytes;
+  const Scene scene = scene_with({});
+  const SceneState now = state_at(scene, Time{});
+  const StereoView shown{look({0, 0, 0}, {0, 0, -1}, kLarge.width),
+                         look({0, 0, 0}, {0, 0, -1}, kLarge.width)};
+  const std::unique_ptr<Renderer> renderer =
+      make_renderer(device_, scene, plan_for(scene, {.cube_mask = false}).draw,
+                    {.size = kLarge, .traced_size = kLarge, .depth_frames = kRequests});
+  std::uint64_t before = device_.ledger->read().now[Use::Depth];
+  EXPECT_EQ(before, depth_bytes) << "that of the shown views";
+  for (std::uint32_t i = 0; i < kRequests; ++i) {
+    const FrameMoment request{FrameId{i + 1}, Time{}, Time{}, shown};
+    renderer->draw({.views = shown,
+                    .state = now,
+                    .request = &request,
+                    .masks = {},
+                    .reprojection = {},
+                    .request_slot = i});
+    EXPECT_EQ(device_.ledger->read().now[Use::Depth], before += depth_bytes);
+  }
+  // The largest view: less than every device allows in one allocation (1 GiB, Vulkan 1.1).
+  const std::uint64_t largest = kEyes * std::uint64_t{kMaxViewSide_px} * kMaxViewSide_px * 4;
+  EXPECT_LE(largest, std::uint64_t{1} << 30);
+}
+
 /// `mask` converted to the words of `layout`.
 Mask in_words_of(MaskLayout layout, Mask mask) {
   for (EyeMask& bits : mask.bits) {

@@ -113,7 +113,8 @@ TEST(DepthSlots, HasAsManyPlacesAsRequestsInFlightAndMasksInUse) {
       for (const Side eye : kSides) session.answer(frame - kLatency, eye);
     session.draw(Time::max());
   }
-  EXPECT_EQ(session.slots().places(), kLatency + DepthSession::kMost + 1) << "one more for the request of the frame itself";
+  EXPECT_EQ(session.slots().places(), kLatency + DepthSession::kMost + 1)
+      << "one more for the request of the frame itself";
 }
 
 TEST(DepthSlots, ARequestReplacesTheDepthOfItsSlot) {
