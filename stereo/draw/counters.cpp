@@ -35,18 +35,22 @@ void add_scene(const Scene& scene, const DrawPlan& plan, const SceneLevels& leve
 
 namespace {
 
+std::size_t map_data_bytes(const Scene& scene) {
+  return (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData);
+}
+
 /// The maps, and the pass that draws them, two layers at a time.
 void add_shadow_maps(const Scene& scene, const ShadowMapSettings& maps, gpu::BytesByUse& memory) {
   const MapLayers layers = map_layers(scene, maps);
-  memory[gpu::Use::ShadowMaps] =
-      layers.bytes(maps.side_px) + (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData);
+  memory[gpu::Use::ShadowMaps] = layers.bytes(maps.side_px) + map_data_bytes(scene);
   memory[gpu::Use::Frame] += layers.count / 2 * scene.instances.size() * sizeof(gpu::InstanceData);
 }
 
 }  // namespace
 
 gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits,
-                              const SceneLevels& levels, const ShadowMapSettings* maps) {
+                              const SceneLevels& levels, const ShadowMapSettings* maps,
+                              gpu::Uploads uploads) {
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels();
@@ -72,6 +76,10 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::Report] = shading.report;
   memory[Use::ReadBack] = pixels * 4;
   if (maps != nullptr) add_shadow_maps(scene, *maps, memory);
+  if (uploads == gpu::Uploads::Staged)
+    memory[Use::Uploads] = memory[Use::Frame] + shading.all_words(plan) + shading.all_known(plan) +
+                           kEyes * reprojection.quads + memory[Use::Motion] +
+                           (maps != nullptr ? map_data_bytes(scene) : 0);
   return memory;
 }
 

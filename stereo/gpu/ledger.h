@@ -27,9 +27,10 @@ enum class Use : std::uint8_t {
   ReadBack,
   ShadowMaps,  ///< of a client that draws its own shadows
   Staging,     ///< host memory from which the device copies
+  Uploads,     ///< the same for what the host writes every frame: only with Uploads::Staged
   Other,
 };
-inline constexpr std::size_t kUses = 14;
+inline constexpr std::size_t kUses = 15;
 
 [[nodiscard]] std::string_view to_string(Use use);
 

@@ -8,14 +8,22 @@ namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
-/// The first memory type that has all properties of `choices[0]`, or else of `choices[1]`, and so on.
-std::uint32_t memory_type(const Device& device, std::uint32_t allowed,
-                          std::initializer_list<vk::MemoryPropertyFlags> choices) {
+/// Memory types with other properties need a feature, or are for special images.
+constexpr vk::MemoryPropertyFlags kPlain =
+    Property::eDeviceLocal | Property::eHostVisible | Property::eHostCoherent | Property::eHostCached;
+
+/// The memory types that have all properties of `choices[0]`, then those of `choices[1]`, and so on.
+std::vector<std::uint32_t> memory_types(const Device& device, std::uint32_t allowed,
+                                        std::initializer_list<vk::MemoryPropertyFlags> choices) {
+  std::vector<std::uint32_t> types;
   for (const vk::MemoryPropertyFlags required : choices)
-    for (std::uint32_t i = 0; i < device.memory.memoryTypeCount; ++i)
-      if ((allowed >> i & 1u) && (device.memory.memoryTypes[i].propertyFlags & required) == required)
-        return i;
-  throw std::runtime_error("vkAllocateMemory: no memory type fits");
+    for (std::uint32_t i = 0; i < device.memory.memoryTypeCount; ++i) {
+      const vk::MemoryPropertyFlags offered = device.memory.memoryTypes[i].propertyFlags;
+      const bool is_new = std::ranges::find(types, i) == types.end();
+      if ((allowed >> i & 1u) && (offered & required) == required && !(offered & ~kPlain) && is_new)
+        types.push_back(i);
+    }
+  return types;
 }
 
 /// What makes a buffer or image smaller.
@@ -44,25 +52,32 @@ std::string cure(Use use) {
                            ": " + cure(use));
 }
 
-/// "LIMIT UNIT, and NEEDED are needed", rounded so that the numbers differ.
+constexpr std::uint64_t kMiB = 1 << 20;
+
+/// "LIMIT where, and NEEDED are needed", rounded so that the numbers differ.
 std::string mebibytes(std::uint64_t limit, std::uint64_t needed, const char* where) {
-  constexpr std::uint64_t kMiB = 1 << 20;
   return std::to_string(limit / kMiB) + " MiB " + where + ", and " +
          std::to_string((needed + kMiB - 1) / kMiB) + " MiB are needed";
 }
 
-Allocation allocate(const Device& device, std::size_t bytes, std::uint32_t type, const std::string& name,
-                    Use use) {
+/// In the first of `types` that has the memory.
+Allocation allocate(const Device& device, std::size_t bytes, const std::vector<std::uint32_t>& types,
+                    const std::string& name, Use use) {
   constexpr const char* kCall = "vkAllocateMemory";
   if (device.ledger->read().allocations >= device.max_allocations)
     refuse(device, kCall, name, use,
            std::to_string(device.max_allocations) + " allocations, and all are in use");
   if (bytes > device.max_allocation_bytes)
     refuse(device, kCall, name, use, mebibytes(device.max_allocation_bytes, bytes, "in one allocation"));
-  Allocation result;
-  result.memory = device.logical.allocateMemory({.allocationSize = bytes, .memoryTypeIndex = type});
-  result.charge = Charge(device.ledger, use, bytes);
-  return result;
+  for (const std::uint32_t type : types) try {
+      Allocation result;
+      result.memory = device.logical.allocateMemory({.allocationSize = bytes, .memoryTypeIndex = type});
+      result.charge = Charge(device.ledger, use, bytes);
+      return result;
+    } catch (const vk::OutOfDeviceMemoryError&) {
+    }
+  throw vk::OutOfDeviceMemoryError(std::string(kCall) + " for '" + name + "': " + device.name + " has no " +
+                                   std::to_string((bytes + kMiB - 1) / kMiB) + " MiB left: " + cure(use));
 }
 
 Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
@@ -75,7 +90,7 @@ Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags
   result.buffer = device.logical.createBuffer({.size = result.bytes, .usage = usage});
   const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
   Allocation allocation =
-      allocate(device, needs.size, memory_type(device, needs.memoryTypeBits, memory), name, use);
+      allocate(device, needs.size, memory_types(device, needs.memoryTypeBits, memory), name, use);
   result.memory = std::move(allocation.memory);
   result.charge = std::move(allocation.charge);
   result.buffer.bindMemory(*result.memory, 0);
@@ -89,6 +104,11 @@ MappedBuffer mapped(Buffer buffer) {
 }
 
 constexpr vk::MemoryPropertyFlags kHost = Property::eHostVisible | Property::eHostCoherent;
+
+StagingBuffer make_host_buffer(const Device& device, std::size_t bytes, const std::string& name, Use use) {
+  return StagingBuffer(
+      mapped(make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, use)));
+}
 
 vk::ImageAspectFlags aspect_of(vk::Format format) {
   return format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
@@ -164,13 +184,50 @@ Allocation bind_together(const Device& device, std::span<Image> images, const st
     bytes += needs.size;
     allowed &= needs.memoryTypeBits;
   }
-  Allocation result = allocate(device, bytes, memory_type(device, allowed, {Property::eDeviceLocal, {}}),
+  Allocation result = allocate(device, bytes, memory_types(device, allowed, {Property::eDeviceLocal, {}}),
                                name, images[0].spec.use);
   for (std::size_t i = 0; i < images.size(); ++i) images[i].image.bindMemory(*result.memory, offsets[i]);
   return result;
 }
 
 }  // namespace
+
+/// Successive parts, and parts with small gaps between them, become one copy.
+void UploadBuffer::will_copy(std::size_t first, std::size_t count) {
+  constexpr std::size_t kGap_bytes = 4096;
+  const std::size_t end = first + count;
+  if (!written_.empty()) {
+    vk::BufferCopy& last = written_.back();
+    const std::size_t last_end = last.srcOffset + last.size;
+    if (first <= last_end + kGap_bytes && last.srcOffset <= end + kGap_bytes) {
+      first = std::min<std::size_t>(first, last.srcOffset);
+      last = vk::BufferCopy{.srcOffset = first, .dstOffset = first, .size = std::max(end, last_end) - first};
+      return;
+    }
+  }
+  written_.push_back({.srcOffset = first, .dstOffset = first, .size = count});
+}
+
+void record_uploads(const vk::raii::CommandBuffer& commands, std::span<const UploadBuffer* const> buffers) {
+  using At = vk::PipelineStageFlagBits2;
+  using Access = vk::AccessFlagBits2;
+  const auto barrier = [&](vk::PipelineStageFlags2 from, vk::AccessFlags2 written, vk::PipelineStageFlags2 to,
+                           vk::AccessFlags2 accessed) {
+    const vk::MemoryBarrier2 memory{
+        .srcStageMask = from, .srcAccessMask = written, .dstStageMask = to, .dstAccessMask = accessed};
+    commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
+  };
+  if (std::ranges::all_of(buffers, [](const UploadBuffer* buffer) { return buffer->written_.empty(); }))
+    return;
+  barrier(At::eAllCommands, Access::eMemoryWrite, At::eTransfer, Access::eTransferWrite);
+  for (const UploadBuffer* buffer : buffers)
+    if (!buffer->written_.empty()) {
+      commands.copyBuffer(*buffer->host_.buffer, *buffer->device_.buffer, buffer->written_);
+      buffer->written_.clear();
+    }
+  barrier(At::eTransfer, Access::eTransferWrite, At::eAllCommands,
+          Access::eMemoryRead | Access::eMemoryWrite);
+}
 
 vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerRange layers) {
   return device.logical.createImageView({.image = *image.image,
@@ -184,13 +241,17 @@ vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerR
 
 UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                                 const std::string& name, Use use) {
-  return UploadBuffer(StagingBuffer(
-      mapped(make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name, use))));
+  if (device.uploads == Uploads::Direct) try {
+      return UploadBuffer(StagingBuffer(
+          mapped(make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal}, name, use))));
+    } catch (const vk::OutOfDeviceMemoryError&) {  // the part that the host sees is full
+    }
+  Buffer buffer = make_device_buffer(device, bytes, usage | vk::BufferUsageFlagBits::eTransferDst, name, use);
+  return {std::move(buffer), make_host_buffer(device, bytes, name + " upload", Use::Uploads)};
 }
 
 StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name) {
-  return StagingBuffer(
-      mapped(make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging)));
+  return make_host_buffer(device, bytes, name, Use::Staging);
 }
 
 ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
@@ -202,7 +263,7 @@ ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, con
 
 Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                           const std::string& name, Use use) {
-  return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name, use);
+  return make_buffer(device, bytes, usage, {Property::eDeviceLocal, {}}, name, use);
 }
 
 Image make_image(const Device& device, const ImageSpec& spec, const std::string& name) {

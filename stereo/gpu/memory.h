@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <span>
+#include <vector>
 
 #include "stereo/base/check.h"
 #include "stereo/base/extent.h"
@@ -41,14 +43,17 @@ class StagingBuffer : public Buffer {
   std::byte* mapped_ = nullptr;
 };
 
-/// Written by the host every frame, read by the device.
+/// Written by the host every frame, read by the device. Either both use one memory, or the device copies what
+/// was written (Uploads): record_uploads must come before the commands that read.
 class UploadBuffer {
  public:
   UploadBuffer() = default;
-  explicit UploadBuffer(StagingBuffer mapped) : host_(std::move(mapped)) {}
+  explicit UploadBuffer(StagingBuffer shared) : host_(std::move(shared)) {}
+  /// `device` is a transfer destination of the same size.
+  UploadBuffer(Buffer device, StagingBuffer host) : device_(std::move(device)), host_(std::move(host)) {}
 
   /// What the device reads.
-  [[nodiscard]] const Buffer& buffer() const { return host_; }
+  [[nodiscard]] const Buffer& buffer() const { return is_staged() ? device_ : host_; }
   [[nodiscard]] std::size_t bytes() const { return host_.bytes; }
 
   /// All elements, or some of them.
@@ -58,7 +63,9 @@ class UploadBuffer {
   }
   template <class T>
   [[nodiscard]] WriteOnly<T> view(std::size_t first, std::size_t count) {
-    return host_.view<T>().part(first, count);
+    const WriteOnly<T> part = host_.view<T>().part(first, count);
+    if (is_staged() && count > 0) will_copy(first * sizeof(T), count * sizeof(T));
+    return part;
   }
   template <class T>
   void write(std::size_t i, const T& value) {
@@ -66,8 +73,24 @@ class UploadBuffer {
   }
 
  private:
+  friend void record_uploads(const vk::raii::CommandBuffer& commands,
+                             std::span<const UploadBuffer* const> buffers);
+  [[nodiscard]] bool is_staged() const { return device_.bytes > 0; }
+  void will_copy(std::size_t first, std::size_t count);
+
+  Buffer device_;  ///< without bytes: the device reads what the host writes
   StagingBuffer host_;
+  /// What views were made of since it was copied last. Mutable: recording a copy changes no content.
+  mutable std::vector<vk::BufferCopy> written_;
 };
+
+/// Copies to the device what was written to staged buffers since the last call. All commands after it read
+/// the new content, and all before it the old one. Not within a rendering.
+void record_uploads(const vk::raii::CommandBuffer& commands, std::span<const UploadBuffer* const> buffers);
+inline void record_uploads(const vk::raii::CommandBuffer& commands,
+                           std::initializer_list<const UploadBuffer*> buffers) {
+  record_uploads(commands, std::span(buffers.begin(), buffers.size()));
+}
 
 /// Written by the device, read by the host.
 class ReadbackBuffer : public Buffer {
@@ -84,7 +107,8 @@ class ReadbackBuffer : public Buffer {
   const std::byte* mapped_ = nullptr;
 };
 
-// All functions below throw when the device has no memory or no allocation left.
+// All functions below throw when the device has no memory or no allocation left. If a type of memory has none
+// left, they try the next one that fits.
 
 /// A size below 16 bytes is rounded up to 16.
 [[nodiscard]] UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes,

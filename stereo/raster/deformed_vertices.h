@@ -35,6 +35,8 @@ class DeformedVertices {
       return places_.empty() || !places_[instance] ? nullptr : &*places_[instance];
     }
     [[nodiscard]] vk::Buffer buffer() const { return *buffer_->buffer().buffer; }
+    /// Null without rigs.
+    [[nodiscard]] const gpu::UploadBuffer* upload() const { return buffer_ ? &*buffer_ : nullptr; }
 
    private:
     friend class DeformedVertices;

@@ -19,6 +19,9 @@ class HiddenPass {
   /// Null, or no triangles: `record` does nothing, and no pipeline is created.
   void prepare(const PerEye<HiddenArea>* hidden, const StereoView& views);
 
+  /// What `record` reads; empty if it does nothing. To be uploaded before the rendering.
+  [[nodiscard]] const gpu::UploadBuffer& upload() const { return corners_; }
+
   enum class As : std::uint8_t { NoSurface, Nearest };
   /// Within the rendering of the scene pass, with its viewport and scissor.
   void record(const vk::raii::CommandBuffer& commands, As as) const;

@@ -39,6 +39,7 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
+      frame_(frame),
       outputs_(outputs),
       instances_(gpu::make_upload_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eUniformBuffer, "instances",
@@ -238,10 +239,18 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
                    [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
 }
 
+void ScenePass::record_uploads(const vk::raii::CommandBuffer& commands, const HiddenPass* hidden) const {
+  std::vector<const gpu::UploadBuffer*> read{&frame_, &instances_};
+  if (deformed_->upload() != nullptr) read.push_back(deformed_->upload());
+  if (hidden != nullptr) read.push_back(&hidden->upload());
+  gpu::record_uploads(commands, read);
+}
+
 void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                        std::span<const vk::RenderingAttachmentInfo> colors,
                        const vk::RenderingAttachmentInfo& depth, std::size_t pass,
                        std::span<const vk::ClearRect> clears, const HiddenPass* hidden) const {
+  record_uploads(commands, hidden);
   const vk::Rect2D area{.extent = {size.width, size.height}};
   commands.beginRendering({.renderArea = area,
                            .layerCount = kEyes,

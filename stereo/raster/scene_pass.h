@@ -93,12 +93,14 @@ class ScenePass {
   void add_draws(std::size_t pass, const CasterDraws& wanted, const SceneState& state,
                  const PerEye<Extent>& sizes, Detail detail, const SeenAs& seen_as);
   [[nodiscard]] bool wants(Casters casters, std::size_t instance) const;
+  void record_uploads(const vk::raii::CommandBuffer& commands, const HiddenPass* hidden) const;
   void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
   const Scene& scene_;
   const DrawPlan& plan_;
   const SceneBuffers& buffers_;
+  const gpu::UploadBuffer& frame_;
   Outputs outputs_;
   gpu::UploadBuffer instances_;
   const DeformedVertices::Pose* deformed_;

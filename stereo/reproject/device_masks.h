@@ -37,8 +37,8 @@ class DeviceMasks {
   /// Forgets all masks, because frame ids begin anew.
   void forget();
 
-  [[nodiscard]] const gpu::Buffer& words() const { return words_.buffer(); }
-  [[nodiscard]] const gpu::Buffer& known_blocks() const { return known_.buffer(); }
+  [[nodiscard]] const gpu::UploadBuffer& words() const { return words_; }
+  [[nodiscard]] const gpu::UploadBuffer& known_blocks() const { return known_; }
   [[nodiscard]] std::uint64_t uploads() const { return uploads_; }
 
  private:

@@ -112,6 +112,7 @@ const vk::raii::Pipeline& RequestReprojectionPass::need_pipeline() {
 }
 
 void RequestReprojectionPass::record(const vk::raii::CommandBuffer& commands) {
+  gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &quads_});
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   const Extent blocks = blocks_of(size_);
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline());

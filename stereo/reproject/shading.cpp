@@ -117,9 +117,9 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   nearest_ = device_.logical.createSampler({});
   bindings_ = gpu::make_bindings(device_, shading_set(bytes_), "shading");
   std::uint32_t binding = 0;
-  for (const gpu::Buffer* buffer : {&frame_buffer_.buffer(), &light_buffer_.buffer(), &device_masks_.words(),
-                                    &device_masks_.known_blocks()})
-    gpu::bind_buffer(device_, bindings_, binding++, *buffer);
+  for (const gpu::UploadBuffer* upload : {&std::as_const(frame_buffer_), &std::as_const(light_buffer_),
+                                          &device_masks_.words(), &device_masks_.known_blocks()})
+    gpu::bind_buffer(device_, bindings_, binding++, upload->buffer());
   check_eq(binding++, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
   for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
     gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
@@ -339,6 +339,8 @@ void ShadingPass::shade_reprojected(const vk::raii::CommandBuffer& commands, Pix
 
 void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport report) {
   if (report == PixelReport::On) make_report_buffer();
+  gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &motion_slots_, &motion_buffer_,
+                                 &device_masks_.words(), &device_masks_.known_blocks()});
   bind_sets(commands, report);
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {

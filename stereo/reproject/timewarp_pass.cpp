@@ -140,6 +140,7 @@ void TimewarpPass::record(const vk::raii::CommandBuffer& commands, const StereoV
     for (int column = 0; column < 3; ++column)
       data.from_shown[eye * 3 + static_cast<std::size_t>(column)] = glm::vec4(from_shown[column], 0.0);
   }
+  gpu::record_uploads(commands, {&picture_, &light_of_});
   barrier(commands);
   if (source == Source::Shown) copy_shown(commands);
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(effect));

@@ -163,6 +163,7 @@ void ShadowMaps::add_copy(std::uint32_t layer, const TexelRect& lost) {
 }
 
 void ShadowMaps::record(const vk::raii::CommandBuffer& commands) const {
+  gpu::record_uploads(commands, {&map_data_});
   if (!due()) return;
   record_kept(commands);
   Layout layout = Layout::eShaderReadOnlyOptimal;

@@ -419,14 +419,22 @@ void expect_predicted(const gpu::BytesByUse& predicted, const gpu::MemoryUse& me
 }
 
 TEST_P(WholeScene, LooksTheSameWithEverythingOnAndTakesTheMemoryThatIsPredicted) {
+  struct Case {
+    PlanKind kind;
+    gpu::Uploads uploads;
+    const char* name;
+  };
   std::optional<Shown> shown;
-  for (const PlanKind kind : {PlanKind::Needed, PlanKind::Everything}) {
-    SCOPED_TRACE(kind == PlanKind::Needed ? "needed" : "everything");
+  for (const Case& tested : {Case{PlanKind::Needed, gpu::Uploads::Direct, "needed"},
+                             Case{PlanKind::Everything, gpu::Uploads::Direct, "everything"},
+                             Case{PlanKind::Everything, gpu::Uploads::Staged, "everything, staged"}}) {
+    SCOPED_TRACE(tested.name);
     device_.ledger = std::make_shared<gpu::Ledger>();
-    const Drawn now = drawn(kind);
-    expect_predicted(
-        client_memory(scene_, plan_for(scene_, {.kind = kind, .all_lights = true}).draw, limits_),
-        now.counters.memory);
+    device_.uploads = tested.uploads;
+    const Drawn now = drawn(tested.kind);
+    expect_predicted(client_memory(scene_, plan_for(scene_, {.kind = tested.kind, .all_lights = true}).draw,
+                                   limits_, {}, nullptr, tested.uploads),
+                     now.counters.memory);
     if (shown) expect_the_same(*shown, now.shown);
     shown = now.shown;
   }

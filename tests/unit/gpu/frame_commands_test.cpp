@@ -49,13 +49,14 @@ class FrameCommandsOf : public testing::TestWithParam<bool> {
     };
   }
   [[nodiscard]] std::uint32_t word(std::size_t i) const {
-    return std::as_const(*words).as<const std::uint32_t>()[i];
+    return words->as<std::uint32_t>()[i];
   }
   [[nodiscard]] std::uint64_t submissions() const { return device->use->submissions; }
   [[nodiscard]] std::uint64_t waits() const { return device->use->waits; }
 
   std::optional<Device> device;
-  std::optional<Buffer> words, much;
+  std::optional<ReadbackBuffer> words;
+  std::optional<Buffer> much;
 };
 
 TEST_P(FrameCommandsOf, AFrameOfSeveralPartsIsOneSubmissionThatNothingWaitsFor) {
