@@ -66,7 +66,7 @@ struct Device {
   std::uint64_t max_storage_bytes = 0;        ///< of a storage buffer (maxStorageBufferRange)
   /// Limits of the images of a format. Tests replace it.
   std::function<decltype(gpu::image_limits)> image_limits = gpu::image_limits;
-  bool timelines = false;                     ///< it has timeline semaphores
+  bool timelines = false;                                       ///< it has timeline semaphores
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   std::shared_ptr<QueueUse> use = std::make_shared<QueueUse>();
   std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< of submit_and_wait

@@ -26,10 +26,9 @@ FrameCommands::Buffer& FrameCommands::free_buffer() {
   const auto free = std::ranges::find_if(buffers_, [&](const Buffer& one) { return one.part <= known_; });
   if (free != buffers_.end()) return *free;
   return buffers_.emplace_back(Buffer{
-      .commands = std::move(
-          device_.logical.allocateCommandBuffers({.commandPool = *device_.commands,
-                                                  .level = vk::CommandBufferLevel::ePrimary,
-                                                  .commandBufferCount = 1})[0])});
+      .commands = std::move(device_.logical.allocateCommandBuffers({.commandPool = *device_.commands,
+                                                                    .level = vk::CommandBufferLevel::ePrimary,
+                                                                    .commandBufferCount = 1})[0])});
 }
 
 FrameCommands::Part FrameCommands::record(const Recording& record) {
@@ -77,8 +76,8 @@ void FrameCommands::hand_over() {
 bool FrameCommands::finishes(Part part) const {
   return finishes_in_time(device_, [&](std::uint64_t step_ns) {
     if (!device_.timelines) return device_.logical.waitForFences(*fence_, true, step_ns);
-    return device_.logical.waitSemaphores(
-        {.semaphoreCount = 1, .pSemaphores = &*finished_, .pValues = &part}, step_ns);
+    return device_.logical.waitSemaphores({.semaphoreCount = 1, .pSemaphores = &*finished_, .pValues = &part},
+                                          step_ns);
   });
 }
 

@@ -47,9 +47,9 @@ class FrameCommands {
   [[nodiscard]] bool finishes(Part part) const;
 
   const Device& device_;
-  std::vector<Buffer> buffers_;             ///< grows as needed
-  vk::raii::Semaphore finished_{nullptr};   ///< a timeline: the newest part that has finished
-  vk::raii::Fence fence_{nullptr};          ///< in its place on devices without timelines
+  std::vector<Buffer> buffers_;                  ///< grows as needed
+  vk::raii::Semaphore finished_{nullptr};        ///< a timeline: the newest part that has finished
+  vk::raii::Fence fence_{nullptr};               ///< in its place on devices without timelines
   Part newest_ = 0, submitted_ = 0, known_ = 0;  ///< known_: has finished
   bool is_lost_ = false;
 };

@@ -96,10 +96,11 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
     motion_buffer_ = upload(bytes_.motions, "motions");
   }
   if (bytes_.lists > 0)
-    hard_buffer_ = gpu::make_device_buffer(
-        device_, bytes_.lists,
-        storage | vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eIndirectBuffer,
-        "hard pixels", gpu::Use::Lists);
+    hard_buffer_ = gpu::make_device_buffer(device_, bytes_.lists,
+                                           storage | vk::BufferUsageFlagBits::eTransferSrc |
+                                               vk::BufferUsageFlagBits::eTransferDst |
+                                               vk::BufferUsageFlagBits::eIndirectBuffer,
+                                           "hard pixels", gpu::Use::Lists);
   shown_ = gpu::make_image(device_,
                            {.size = size_,
                             .layers = kEyes,
@@ -125,7 +126,7 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
     gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
   if (hard_buffer_.bytes > 0) {
-    gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
+    gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_, bytes_.arguments);
     // Without a cube mask its depth is not read.
     const gpu::Image& faces = depths_.faces ? depths_.faces->images().front() : *depths_.any.image;
     gpu::bind_image(device_, bindings_, binding++, {*faces.view, Layout::eShaderReadOnlyOptimal, *nearest_});
@@ -316,7 +317,7 @@ void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uin
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     push_shown_eye(commands, need_layout(report), eye);
     const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
-    commands.dispatchIndirect(*hard_buffer_.buffer, list * sizeof(glm::uvec4));
+    commands.dispatchIndirect(*hard_buffer_.buffer, bytes_.arguments + list * sizeof(glm::uvec4));
   }
 }
 
@@ -328,11 +329,20 @@ void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
           Access::eShaderRead | Access::eShaderWrite);
 }
 
+/// The arguments of a dispatch may not lie where its shader could write.
+void ShadingPass::copy_arguments(const vk::raii::CommandBuffer& commands) const {
+  commands.copyBuffer(*hard_buffer_.buffer, *hard_buffer_.buffer,
+                      vk::BufferCopy{.dstOffset = bytes_.arguments, .size = kListHeads_bytes});
+  barrier(commands, At::eTransfer, Access::eTransferRead | Access::eTransferWrite,
+          At::eComputeShader | At::eDrawIndirect, Access::eShaderWrite | Access::eIndirectCommandRead);
+}
+
 void ShadingPass::shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report) {
   empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
-  barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eDrawIndirect,
-          Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
+  barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eTransfer,
+          Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite);
+  copy_arguments(commands);
   shade_listed(commands, FARSHADE_PASS_HARD, report);
   if (moved_ && motion_count_ > 0) shade_listed(commands, FARSHADE_PASS_MOVING, report);
 }

@@ -88,6 +88,7 @@ class ShadingPass {
   [[nodiscard]] std::vector<const gpu::Bindings*> sets(PixelReport report) const;
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
+  void copy_arguments(const vk::raii::CommandBuffer& commands) const;
   void shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report);
   void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);

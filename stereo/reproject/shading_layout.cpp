@@ -48,7 +48,10 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
     bytes.slots = plan.moves.size() * 4;
     bytes.motions = motion_index(moving, 0, 0) * sizeof(glm::mat4);
   }
-  if (reprojects_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
+  if (reprojects_masks(plan)) {
+    bytes.arguments = kListHeads_bytes + kEyes * size.pixels() * 4;
+    bytes.lists = bytes.arguments + kListHeads_bytes;
+  }
   return bytes;
 }
 

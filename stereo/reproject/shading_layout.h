@@ -28,6 +28,9 @@ namespace farshade {
   return plan.mask.lights == 0 ? 0 : reprojects_masks(plan) ? FARSHADE_MAX_MASKS : 1;
 }
 
+/// The size of the dispatch and the length of each list of pixels: two lists an eye (shade.comp).
+inline constexpr std::size_t kListHeads_bytes = 2 * kEyes * sizeof(glm::uvec4);
+
 /// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.
 struct MaskBytes {
   std::size_t words = 0, known = 0;
@@ -39,7 +42,9 @@ struct ShadingBytes {
   MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the cube mask
   std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
   std::size_t lists = 0;               ///< 0 if masks are not reprojected
-  std::size_t report = 0;              ///< allocated when a report is first requested
+  /// Where the arguments of the dispatches over lists begin. They lie behind what shaders see of `lists`.
+  std::size_t arguments = 0;
+  std::size_t report = 0;  ///< allocated when a report is first requested
 
   /// The words of all masks that the device holds, and their known blocks.
   [[nodiscard]] std::size_t all_words(const DrawPlan& plan) const {

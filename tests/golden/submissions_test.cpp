@@ -115,8 +115,8 @@ class Submissions : public OnLavapipe {
   }
 };
 
-/// A frame that asks for what its mask leaves unknown has both in one submission, and sends its request before
-/// its picture is done.
+/// A frame that asks for what its mask leaves unknown has both in one submission, and sends its request
+/// before its picture is done.
 TEST_F(Submissions, ARequestAndItsPictureAreOne) {
   static_cast<void>(frame(false));  // compiles
   const Calls before(device_);

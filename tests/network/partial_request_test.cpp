@@ -70,6 +70,7 @@ Measured measured(const char* network, Asks asks, const PerEye<HiddenArea>* hidd
   play.request.asks = asks;
   play.hidden = hidden;
   const Played played = farshade::play(play, network_from(network).value());
+  EXPECT_EQ(played.most_submissions, 1u) << "a request and its picture are one submission";
   const auto mean = [](const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   };

@@ -10,6 +10,7 @@
 
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
+#include "stereo/gpu/device.h"
 #include "stereo/tracer/tracer.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/report/run_report.h"
@@ -25,8 +26,9 @@ constexpr Duration kPatience = std::chrono::seconds(3);
 class LinkRuntime final : public Runtime {
  public:
   LinkRuntime(RecordedHeadRuntime& head, const PerEye<HiddenArea>* hidden, NetworkLink& link,
-              ManualClock& clock, std::function<void()> before_frame)
-      : head_(head),
+              ManualClock& clock, const gpu::Device& device, std::function<void()> before_frame)
+      : device_(device),
+        head_(head),
         hidden_(hidden),
         link_(link),
         clock_(clock),
@@ -39,16 +41,23 @@ class LinkRuntime final : public Runtime {
     first_ = first_.value_or(timing->display_time);
     link_.listen(begun_ + (timing->display_time - *first_) - clock_.now());
     before_frame_();
+    submissions_ = device_.use->submissions;
     return timing;
   }
   [[nodiscard]] StereoView locate_views(Time display_time) const override {
     return head_.locate_views(display_time);
   }
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return hidden_; }
-  void end_frame(Time display_time) override { head_.end_frame(display_time); }
+  void end_frame(Time display_time) override {
+    most_submissions_ = std::max(most_submissions_, device_.use->submissions - submissions_);
+    head_.end_frame(display_time);
+  }
+  [[nodiscard]] std::uint64_t most_submissions() const { return most_submissions_; }
 
  private:
+  const gpu::Device& device_;
   RecordedHeadRuntime& head_;
+  std::uint64_t submissions_ = 0, most_submissions_ = 0;
   const PerEye<HiddenArea>* hidden_;
   NetworkLink& link_;
   ManualClock& clock_;
@@ -236,7 +245,7 @@ Played play(const Play& play, const Network& network) {
 
   RecordedHeadRuntime head = recorded_head(play);
   Time moved = clock.now();
-  LinkRuntime runtime(head, play.hidden, link, clock, [&] {
+  LinkRuntime runtime(head, play.hidden, link, clock, play.device, [&] {
     if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
     moved = clock.now();
     wire.move_client(0);
@@ -272,6 +281,7 @@ Played play(const Play& play, const Network& network) {
   if (!shown) throw std::runtime_error(shown.error().what);
   played.log = report.log();
   played.client = link.counters(), played.server = server.core.counters();
+  played.most_submissions = runtime.most_submissions();
   return played;
 }
 

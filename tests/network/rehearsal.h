@@ -77,6 +77,7 @@ struct Played {
   NetworkLink::Counters client;
   ServerCounters server;
   std::vector<FrameReport> reports{};  ///< of all answers, as the client received them
+  std::uint64_t most_submissions = 0;  ///< to the device, of a frame until it was shown
   std::array<std::size_t, 2>
       heap_peak{};  ///< largest heap in bytes in the first and in the second half of the run
 

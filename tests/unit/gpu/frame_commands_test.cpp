@@ -48,9 +48,7 @@ class FrameCommandsOf : public testing::TestWithParam<bool> {
       }
     };
   }
-  [[nodiscard]] std::uint32_t word(std::size_t i) const {
-    return words->as<std::uint32_t>()[i];
-  }
+  [[nodiscard]] std::uint32_t word(std::size_t i) const { return words->as<std::uint32_t>()[i]; }
   [[nodiscard]] std::uint64_t submissions() const { return device->use->submissions; }
   [[nodiscard]] std::uint64_t waits() const { return device->use->waits; }
 
@@ -130,7 +128,8 @@ TEST_P(FrameCommandsOf, ADeviceThatDoesNotFinishInTimeIsLost) {
   impatient.timeout_ns = 1;
   Device lost = open_device(impatient).value();
   lost.timelines = GetParam();
-  const Buffer written = make_device_buffer(lost, kManyBytes, vk::BufferUsageFlagBits::eTransferDst, "written");
+  const Buffer written =
+      make_device_buffer(lost, kManyBytes, vk::BufferUsageFlagBits::eTransferDst, "written");
   FrameCommands frame(lost);
   const FrameCommands::Part last = frame.record([&](const vk::raii::CommandBuffer& commands) {
     for (std::uint32_t i = 0; i < 200; ++i) commands.fillBuffer(*written.buffer, 0, VK_WHOLE_SIZE, i);
