@@ -6,7 +6,8 @@ void ReadBack::copy(const gpu::Image& image, vk::ImageLayout layout, std::uint32
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
   const gpu::LayerRange layers{first_layer, kEyes};
   const std::size_t bytes = size.pixels() * kEyes * 4;
-  if (buffer_.bytes < bytes) buffer_ = gpu::make_readback_buffer(device_, bytes, "read-back");
+  if (buffer_.bytes < bytes)
+    buffer_ = gpu::make_readback_buffer(device_, bytes, vk::BufferUsageFlagBits::eTransferDst, "read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, layout, source, layers);
     commands.copyImageToBuffer(

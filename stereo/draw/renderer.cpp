@@ -194,12 +194,16 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
 /// The host may write again to the memory that parts of this kind read. Parts of a frame have their own; a
 /// frame waits for the frame before.
 void VulkanRenderer::make_way_for(Part part) {
-  if (recorded_[static_cast<std::size_t>(part)] || commands_.submitted() > collected_) collect();
+  const auto is_recorded = [&](Part one) { return recorded_[static_cast<std::size_t>(one)]; };
+  const bool shares_depth_pass =
+      part == Part::Request && is_recorded(Part::Picture) && requested_depth_.has_value();
+  if (is_recorded(part) || shares_depth_pass || commands_.submitted() > collected_) collect();
 }
 
 /// Waits for everything that was recorded, and adds its times to those of the frame.
 void VulkanRenderer::collect() {
   commands_.wait(commands_.newest());
+  const bool has_reprojected = reprojected_ > collected_;
   collected_ = commands_.newest();
   const auto took = [&](Part part, std::uint32_t stage) {
     if (!recorded_[static_cast<std::size_t>(part)]) return Duration{};
@@ -207,7 +211,7 @@ void VulkanRenderer::collect() {
     return stamps_.between(first, first + 1);
   };
   times_.depth += took(Part::Request, 0) + took(Part::Picture, 1);
-  times_.request_reprojection += took(Part::Request, 1);
+  if (has_reprojected) times_.request_reprojection += took(Part::Request, 1);
   times_.gbuffer += took(Part::Picture, 0);
   if (draws_maps_) times_.maps += took(Part::Picture, 2);
   times_.shade += took(Part::Picture, 3);
@@ -219,8 +223,7 @@ void VulkanRenderer::collect() {
 gpu::FrameCommands::Part VulkanRenderer::record(
     Part part,
     const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages) {
-  recorded_[static_cast<std::size_t>(part)] = true;
-  return commands_.record([&](const vk::raii::CommandBuffer& commands) {
+  const gpu::FrameCommands::Part recorded = commands_.record([&](const vk::raii::CommandBuffer& commands) {
     const auto [first, count] = stamps_of(part);
     stamps_.reset(commands, first, count);
     std::uint32_t stamp = first;
@@ -230,6 +233,8 @@ gpu::FrameCommands::Part VulkanRenderer::record(
     next_stage();
     check_eq(stamp, first + count, "stages of a part");
   });
+  recorded_[static_cast<std::size_t>(part)] = true;  // not if recording has thrown
+  return recorded;
 }
 
 void VulkanRenderer::submit() {
@@ -358,7 +363,7 @@ void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, Pe
                                 const PerEye<HiddenArea>* hidden) {
   make_way_for(Part::Request);
   const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
-  check(place.has_value(), "the depth ring has the slot of the request's record");
+  if (!place) throw vk::OutOfDeviceMemoryError("the depth of a request");
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full,
                        hidden);

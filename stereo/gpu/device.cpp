@@ -317,6 +317,7 @@ Dispatcher& writable(const Dispatcher* functions) {
 /// them call the device's table of functions. At the end of the program the driver's threads may still run,
 /// and crash when the static objects of its libraries are destroyed: so none is.
 void abandon(const Device& device) {
+  device.use->abandoned = true;
   on_exit(
       [](int status, void*) {
         std::fflush(nullptr);

@@ -35,6 +35,7 @@ class ValidationLog {
 struct QueueUse {
   std::atomic<std::uint64_t> submissions{0};  ///< calls that submit commands
   std::atomic<std::uint64_t> waits{0};        ///< of the host for the device
+  std::atomic<bool> abandoned{false};         ///< by abandon(): the queue must not be used
 };
 
 /// The longest uniform block that a device must allow. Almost every driver does.
@@ -69,7 +70,7 @@ struct Device {
   bool timelines = false;                                       ///< it has timeline semaphores
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   std::shared_ptr<QueueUse> use = std::make_shared<QueueUse>();
-  std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< of submit_and_wait
+  std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< of waits for the device
   float timestamp_period_ns = 1;              ///< of one timestamp tick
   std::uint32_t timestamp_bits = 64;          ///< that count; those above are undefined
   bool is_cpu = false;                        ///< it draws on the processor, as lavapipe does

@@ -5,10 +5,7 @@
 namespace farshade::gpu {
 
 FrameCommands::FrameCommands(const Device& device) : device_(device) {
-  if (!device.timelines) {
-    fence_ = device.logical.createFence({});
-    return;
-  }
+  if (!device.timelines) return;
   const vk::SemaphoreTypeCreateInfo timeline{.semaphoreType = vk::SemaphoreType::eTimeline};
   finished_ = device.logical.createSemaphore({.pNext = &timeline});
 }
@@ -25,10 +22,11 @@ FrameCommands::~FrameCommands() {
 FrameCommands::Buffer& FrameCommands::free_buffer() {
   const auto free = std::ranges::find_if(buffers_, [&](const Buffer& one) { return one.part <= known_; });
   if (free != buffers_.end()) return *free;
-  return buffers_.emplace_back(Buffer{
-      .commands = std::move(device_.logical.allocateCommandBuffers({.commandPool = *device_.commands,
-                                                                    .level = vk::CommandBufferLevel::ePrimary,
-                                                                    .commandBufferCount = 1})[0])});
+  auto commands = device_.logical.allocateCommandBuffers(
+      {.commandPool = *device_.commands, .level = vk::CommandBufferLevel::ePrimary, .commandBufferCount = 1});
+  Buffer made{.commands = std::move(commands[0])};
+  if (!device_.timelines) made.fence = device_.logical.createFence({});
+  return buffers_.emplace_back(std::move(made));
 }
 
 FrameCommands::Part FrameCommands::record(const Recording& record) {
@@ -43,17 +41,22 @@ FrameCommands::Part FrameCommands::record(const Recording& record) {
 
 void FrameCommands::submit() {
   if (submitted_ == newest_) return;
-  // One fence is enough only if the submission before has finished.
-  if (!device_.timelines) wait(submitted_);
-  losing_device([&] { hand_over(); });
+  losing_device([&] { device_.timelines ? submit_together() : submit_apart(); });
+  submitted_ = newest_;
 }
 
-/// Submits the recorded parts in their order. With a timeline, each says when it has finished.
-void FrameCommands::hand_over() {
+/// The parts that are not submitted yet, in their order.
+std::vector<const FrameCommands::Buffer*> FrameCommands::recorded() const {
   std::vector<const Buffer*> parts;
   for (const Buffer& buffer : buffers_)
     if (buffer.part > submitted_) parts.push_back(&buffer);
   std::ranges::sort(parts, {}, &Buffer::part);
+  return parts;
+}
+
+/// Each part says when it has finished.
+void FrameCommands::submit_together() {
+  const std::vector<const Buffer*> parts = recorded();
   std::vector<vk::CommandBufferSubmitInfo> buffers;
   std::vector<vk::SemaphoreSubmitInfo> signals;
   for (const Buffer* part : parts) {
@@ -66,16 +69,28 @@ void FrameCommands::hand_over() {
   for (std::size_t i = 0; i < parts.size(); ++i)
     submits.push_back({.commandBufferInfoCount = 1,
                        .pCommandBufferInfos = &buffers[i],
-                       .signalSemaphoreInfoCount = device_.timelines ? 1u : 0u,
-                       .pSignalSemaphoreInfos = device_.timelines ? &signals[i] : nullptr});
+                       .signalSemaphoreInfoCount = 1,
+                       .pSignalSemaphoreInfos = &signals[i]});
   ++device_.use->submissions;
-  device_.queue.submit2(submits, *fence_);
-  submitted_ = newest_;
+  device_.queue.submit2(submits);
+}
+
+/// A submission has one fence, so each part is one.
+void FrameCommands::submit_apart() {
+  for (const Buffer* part : recorded()) {
+    const vk::CommandBufferSubmitInfo buffer{.commandBuffer = *part->commands};
+    device_.logical.resetFences(*part->fence);
+    ++device_.use->submissions;
+    device_.queue.submit2(vk::SubmitInfo2{.commandBufferInfoCount = 1, .pCommandBufferInfos = &buffer},
+                          *part->fence);
+  }
 }
 
 bool FrameCommands::finishes(Part part) const {
   return finishes_in_time(device_, [&](std::uint64_t step_ns) {
-    if (!device_.timelines) return device_.logical.waitForFences(*fence_, true, step_ns);
+    if (!device_.timelines)
+      return device_.logical.waitForFences(*std::ranges::find(buffers_, part, &Buffer::part)->fence, true,
+                                           step_ns);
     return device_.logical.waitSemaphores({.semaphoreCount = 1, .pSemaphores = &*finished_, .pValues = &part},
                                           step_ns);
   });
@@ -91,8 +106,7 @@ void FrameCommands::wait(Part part) {
       abandon(device_);
       throw vk::DeviceLostError("the device did not finish in time and was abandoned");
     }
-    known_ = device_.timelines ? part : submitted_;
-    if (!device_.timelines) device_.logical.resetFences(*fence_);
+    known_ = part;
   });
   is_lost_ = false;
 }

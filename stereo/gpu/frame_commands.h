@@ -1,6 +1,7 @@
 /// FrameCommands: what a frame asks of the device. A frame is recorded in parts, one command buffer each, and
-/// goes to the device in one submission. Nothing waits for the device but `wait`, which can wait for the
-/// first parts of a frame while the device still works on the others (docs/gpu.md).
+/// goes to the device in one submission, without Device::timelines in one for each part. Nothing waits for
+/// the device but `wait`, which can wait for the first parts of a frame while the device still works on the
+/// others (docs/gpu.md).
 #pragma once
 
 #include <vector>
@@ -28,8 +29,7 @@ class FrameCommands {
   /// Submits all parts that have been recorded since, if there are any. Does not wait.
   void submit();
 
-  /// Waits until the device has finished `part`; submits it first if it must. A device without
-  /// Device::timelines finishes all parts of a submission at one time. Any failure is reported as
+  /// Waits until the device has finished `part`; submits it first if it must. Any failure is reported as
   /// vk::DeviceLostError, as by submit_and_wait.
   void wait(Part part);
 
@@ -40,16 +40,18 @@ class FrameCommands {
  private:
   struct Buffer {
     vk::raii::CommandBuffer commands;
+    vk::raii::Fence fence{nullptr};  ///< of devices without timelines
     Part part = 0;
   };
   [[nodiscard]] Buffer& free_buffer();
-  void hand_over();
+  [[nodiscard]] std::vector<const Buffer*> recorded() const;
+  void submit_together();
+  void submit_apart();
   [[nodiscard]] bool finishes(Part part) const;
 
   const Device& device_;
   std::vector<Buffer> buffers_;                  ///< grows as needed
   vk::raii::Semaphore finished_{nullptr};        ///< a timeline: the newest part that has finished
-  vk::raii::Fence fence_{nullptr};               ///< in its place on devices without timelines
   Part newest_ = 0, submitted_ = 0, known_ = 0;  ///< known_: has finished
   bool is_lost_ = false;
 };

@@ -254,11 +254,10 @@ StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes, const
   return make_host_buffer(device, bytes, name, Use::Staging);
 }
 
-ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
-                                    Use use) {
-  return ReadbackBuffer(mapped(make_buffer(
-      device, bytes, vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eStorageBuffer,
-      {kHost | Property::eHostCached, kHost}, name, use)));
+ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
+                                    const std::string& name, Use use) {
+  return ReadbackBuffer(
+      mapped(make_buffer(device, bytes, usage, {kHost | Property::eHostCached, kHost}, name, use)));
 }
 
 Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,

@@ -118,8 +118,10 @@ class ReadbackBuffer : public Buffer {
 [[nodiscard]] StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes,
                                                 const std::string& name);
 
+/// `usage`: eTransferDst for copies, eStorageBuffer for what shaders write.
 [[nodiscard]] ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes,
-                                                  const std::string& name, Use use = Use::ReadBack);
+                                                  vk::BufferUsageFlags usage, const std::string& name,
+                                                  Use use = Use::ReadBack);
 
 /// Written and read by the device only.
 [[nodiscard]] Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,

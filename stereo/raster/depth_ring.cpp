@@ -43,8 +43,14 @@ DepthPlace DepthRing::place(std::size_t number) const {
 std::optional<DepthPlace> DepthRing::claim(FrameId frame, std::size_t slot) {
   const std::optional<std::size_t> number = slots_.claim(frame, slot);
   if (!number) return std::nullopt;
-  while (images_.size() <= *number / places_per_image_)
-    images_.push_back(make_depth_image(device_, size_, places_per_image_, "depth of a request"));
+  try {
+    while (images_.size() <= *number / places_per_image_)
+      images_.push_back(make_depth_image(device_, size_, places_per_image_, "depth of a request"));
+  } catch (const vk::OutOfDeviceMemoryError&) {
+    slots_.release(frame);
+    if (images_.empty()) throw;
+    return std::nullopt;
+  }
   while (views_.size() <= *number) {
     const gpu::LayerRange layers{narrow<std::uint32_t>(views_.size() % places_per_image_ * kEyes), kEyes};
     views_.push_back(gpu::view_layers(device_, images_[views_.size() / places_per_image_], layers));

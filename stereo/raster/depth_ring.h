@@ -29,8 +29,8 @@ class DepthRing {
   DepthRing(const gpu::Device& device, Extent size, std::size_t slots, DepthImages images);
 
   /// The place of a request's depth. Whoever owns the request records (stereo/answers/assembler.h) chooses
-  /// the slot; the depth that it held before is lost. No value if the ring has no such slot. Throws when the
-  /// device has no memory for another image.
+  /// the slot; the depth that it held before is lost. No value if the ring has no such slot, or the device
+  /// has no memory for another image. Throws if it has none for the first.
   std::optional<DepthPlace> claim(FrameId frame, std::size_t slot);
   /// See DepthSlots. The depth is not overwritten before a later `claim`.
   void give_back_unused(std::span<const TracedMask> masks, std::size_t most) {

@@ -13,6 +13,11 @@ std::optional<std::size_t> DepthSlots::claim(FrameId frame, std::size_t slot) {
   return slots_[slot].place;
 }
 
+void DepthSlots::release(FrameId frame) {
+  for (Slot& slot : slots_)
+    if (slot.frame == frame) give_back(slot);
+}
+
 std::optional<std::size_t> DepthSlots::find(FrameId frame) const {
   const auto slot = std::ranges::find(slots_, std::optional(frame), &Slot::frame);
   return slot == slots_.end() ? std::nullopt : std::optional(slot->place);

@@ -21,6 +21,9 @@ class DepthSlots {
   /// depth is used again before a new one gets a number. No value if there is no such slot.
   std::optional<std::size_t> claim(FrameId frame, std::size_t slot);
 
+  /// Gives back the place of a request that got no depth.
+  void release(FrameId frame);
+
   /// The place with the depth of this request; no value if there is none.
   [[nodiscard]] std::optional<std::size_t> find(FrameId frame) const;
 

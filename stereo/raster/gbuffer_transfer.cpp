@@ -58,7 +58,9 @@ GBufferTransfer::Layout GBufferTransfer::layout() const {
 
 void GBufferTransfer::read(const DepthPlace& place, GBufferPlanes& planes) {
   const Layout at = layout();
-  if (readback_.bytes == 0) readback_ = gpu::make_readback_buffer(device_, at.bytes, "G-buffer read-back");
+  if (readback_.bytes == 0)
+    readback_ = gpu::make_readback_buffer(device_, at.bytes, vk::BufferUsageFlagBits::eTransferDst,
+                                          "G-buffer read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     for (const Part& part : parts_of(gbuffer_, place, at.normals, at.depths)) {
       const auto rest = ImageLayout::eShaderReadOnlyOptimal, source = ImageLayout::eTransferSrcOptimal;
@@ -86,7 +88,9 @@ void GBufferTransfer::read(const DepthPlace& place, GBufferPlanes& planes) {
 GBufferTransfer::Pixel GBufferTransfer::read(const DepthPlace& place, Side side, glm::uvec2 pixel) {
   check(pixel.x < size_.width && pixel.y < size_.height, "the pixel is in the picture");
   constexpr std::size_t depth = 4, surface = 8, bytes = 16;  // a surface of two words is aligned to both
-  if (pixel_.bytes == 0) pixel_ = gpu::make_readback_buffer(device_, bytes, "pixel read-back");
+  if (pixel_.bytes == 0)
+    pixel_ =
+        gpu::make_readback_buffer(device_, bytes, vk::BufferUsageFlagBits::eTransferDst, "pixel read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     for (const Part& part : parts_of(gbuffer_, place, surface, depth)) {
       const auto rest = ImageLayout::eShaderReadOnlyOptimal, source = ImageLayout::eTransferSrcOptimal;

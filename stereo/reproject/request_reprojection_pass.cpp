@@ -39,11 +39,12 @@ RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, cons
       quad_bytes_(request_reprojection_bytes(plan, traced_size).quads),
       quads_(gpu::make_upload_buffer(device, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
                                      "quads of a mask", gpu::Use::Masks)),
-      reprojected_(gpu::make_readback_buffer(device,
-                                             request_reprojection_bytes(plan, traced_size).reprojected,
-                                             "reprojected masks", gpu::Use::Masks)),
+      reprojected_(gpu::make_readback_buffer(
+          device, request_reprojection_bytes(plan, traced_size).reprojected,
+          vk::BufferUsageFlagBits::eStorageBuffer, "reprojected masks", gpu::Use::Masks)),
       unknown_(gpu::make_readback_buffer(device, request_reprojection_bytes(plan, traced_size).unknown,
-                                         "unknown blocks", gpu::Use::Masks)),
+                                         vk::BufferUsageFlagBits::eStorageBuffer, "unknown blocks",
+                                         gpu::Use::Masks)),
       nearest_(device.logical.createSampler({})),
       bindings_(gpu::make_bindings(device, request_reprojection_set(), "request reprojection")) {
   gpu::bind_buffer(device_, bindings_, 0, frame_buffer_.buffer());

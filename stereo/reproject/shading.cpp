@@ -293,7 +293,8 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
 /// Created when a report is first requested, because the report is large.
 void ShadingPass::make_report_buffer() {
   if (report_buffer_.bytes > 0) return;
-  report_buffer_ = gpu::make_readback_buffer(device_, bytes_.report, "report", gpu::Use::Report);
+  report_buffer_ = gpu::make_readback_buffer(device_, bytes_.report, vk::BufferUsageFlagBits::eStorageBuffer,
+                                             "report", gpu::Use::Report);
   report_bindings_ = gpu::make_bindings(device_, {kStorage}, "report");
   gpu::bind_buffer(device_, report_bindings_, 0, report_buffer_);
 }

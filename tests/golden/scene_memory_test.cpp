@@ -259,7 +259,8 @@ TEST_F(SceneMemory, UploadsArriveWhateverTheirSizeAgainstTheStagingBuffer) {
     at += size;
   }
   uploads.flush();
-  const gpu::ReadbackBuffer readback = gpu::make_readback_buffer(device_, kBytes, "read-back");
+  const gpu::ReadbackBuffer readback =
+      gpu::make_readback_buffer(device_, kBytes, vk::BufferUsageFlagBits::eTransferDst, "read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     commands.copyBuffer(*target.buffer, *readback.buffer, vk::BufferCopy{.size = kBytes});
   });

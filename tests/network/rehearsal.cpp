@@ -279,9 +279,8 @@ Played play(const Play& play, const Network& network) {
   prepare(play, context);
   const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
-  played.log = report.log();
+  played.log = report.log(), played.most_submissions = runtime.most_submissions();
   played.client = link.counters(), played.server = server.core.counters();
-  played.most_submissions = runtime.most_submissions();
   return played;
 }
 

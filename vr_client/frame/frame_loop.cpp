@@ -41,6 +41,37 @@ Exposure exposure_of(const RunContext& context) {
 
 }  // namespace
 
+namespace {
+
+/// Hands a recorded frame to the device and the display, sends its request if that waits for the device, and
+/// waits for both. Returns the times of what the device did.
+DrawTimes finish_frame(const RunContext& context, ModePipeline& pipeline, const FrameInputs& inputs,
+                       std::optional<FrameRequest>& request, StageStarts& starts) {
+  context.runtime.add_output([&](const gpu::Recording& record) { context.renderer.append(record); });
+  context.renderer.submit();
+  context.runtime.end_frame(inputs.shown.display_time);
+  starts.submitted = context.clock.now();
+  if (std::optional<FrameRequest> late = pipeline.request_late(inputs)) {
+    request = std::move(late);
+    starts.requested_late = context.clock.now();
+  }
+  const DrawTimes times = context.renderer.finish();
+  starts.end = context.clock.now();
+  return times;
+}
+
+/// What the client worked in a frame, apart from what the device did in `drawn`.
+StageTimes stage_times(const DrawTimes& drawn, const StageStarts& starts, Duration collect) {
+  StageTimes times{drawn};
+  times.request = starts.collect - starts.request;
+  if (starts.requested_late) times.request += *starts.requested_late - starts.submitted;
+  times.collect = collect;
+  times.frame = times.request + times.collect + times.total;
+  return times;
+}
+
+}  // namespace
+
 Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
                    const std::function<bool()>& stop) {
   const Clock& clock = context.clock;
@@ -52,6 +83,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     if (!timing) break;
     const FrameSettings settings = context.settings;
     StageStarts starts;
+    static_cast<void>(context.renderer.finish());  // what a watcher has drawn is not of this frame
 
     starts.request = clock.now();
     frame = next(frame);
@@ -69,19 +101,10 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
 
     starts.draw = clock.now();
     const DrawnFrame drawn_frame = pipeline.draw(inputs);
-    context.runtime.add_output([&](const gpu::Recording& record) { context.renderer.append(record); });
-    context.renderer.submit();
-    context.runtime.end_frame(timing->display_time);
-    const Time submitted = clock.now();
-    if (std::optional<FrameRequest> late = pipeline.request_late(inputs)) request = std::move(late);
-    const Duration late = clock.now() - submitted;
-    StageTimes times{context.renderer.finish()};
-    starts.end = clock.now();
-
-    times.request = starts.collect - starts.request + late;
-    times.collect =
-        context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect;
-    times.frame = times.request + times.collect + times.total;
+    const DrawTimes drawn = finish_frame(context, pipeline, inputs, request, starts);
+    const StageTimes times = stage_times(
+        drawn, starts,
+        context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect);
     watch({.shown = shown,
            .request = request ? &*request : nullptr,
            .state = state,

@@ -29,6 +29,8 @@ struct StageTimes : DrawTimes {
 /// When the stages of a frame began, on the clock of the run.
 struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
+  Time submitted{};                      ///< to the device
+  std::optional<Time> requested_late{};  ///< when its request was sent, if only after that
 };
 
 /// A frame that was shown. The references are valid during the call that receives it.

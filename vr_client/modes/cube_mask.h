@@ -17,6 +17,8 @@ class CubeMask {
   bool plan(const FrameInputs& inputs, Duration lead);
   /// Sends the planned requests; once. Nothing if there are none.
   void send(const FrameInputs& inputs);
+  /// A pair is planned and not sent.
+  [[nodiscard]] bool is_planned() const { return !requests_.empty(); }
 
   /// Waits where the policy says so, then takes the masks that this frame may use.
   void receive(const FrameInputs& inputs);

@@ -54,7 +54,8 @@ class Hybrid final : public ModePipeline {
     }
     requested_ = request ? std::optional(request->frame) : std::nullopt;
     late_.reset();
-    if (is_sent_late_ && partial_request_.has_begun())
+    // A pair of the cube mask that is not urgent leaves after the request for the views.
+    if (is_sent_late_ && partial_request_.has_begun() && !cube_mask_.is_planned())
       late_ = std::exchange(request, std::nullopt);
     else if (request)
       complete_and_send(inputs, *request);

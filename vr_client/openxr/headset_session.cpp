@@ -32,7 +32,8 @@ HeadsetSession::~HeadsetSession() {
 /// The images of a session may be destroyed when the device has finished the frame that is under way.
 void HeadsetSession::end_session() {
   try {
-    if (session_ && !abandoned_) gpu::run_now(device_, [](const vk::raii::CommandBuffer&) {});
+    if (session_ && !abandoned_ && !device_.use->abandoned)
+      gpu::run_now(device_, [](const vk::raii::CommandBuffer&) {});
   } catch (const vk::SystemError&) {
     // The device is lost; the frame that used it last is told.
   }

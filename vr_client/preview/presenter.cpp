@@ -103,8 +103,8 @@ Image<Rgb8> Presenter::read_back(const Composition& composition) const {
                        .format = swapchain_.format(),
                        .usage = Usage::eColorAttachment | Usage::eTransferDst | Usage::eTransferSrc},
                       "composed");
-  const gpu::ReadbackBuffer pixels =
-      gpu::make_readback_buffer(device_, size.pixels() * 4, "composed read-back");
+  const gpu::ReadbackBuffer pixels = gpu::make_readback_buffer(
+      device_, size.pixels() * 4, vk::BufferUsageFlagBits::eTransferDst, "composed read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     compose_->record(commands, composition, {*target.image, *target.view, size});
     gpu::transition(commands, target, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal);

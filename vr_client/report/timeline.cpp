@@ -161,24 +161,29 @@ double TraceEvents::microseconds(Time time) const {
 void write_frame(const auto& shown, TraceEvents& events) {
   const StageStarts& starts = shown.starts;
   const TimeSpan whole{starts.request, starts.end};
-  const TimeSpan draw{starts.draw, std::min(starts.draw + shown.drawn.total, starts.end)};
+  // A request that was sent late waited for its part of the device's work, while the picture was drawn.
+  const bool is_late = starts.requested_late.has_value();
+  const bool reprojects = shown.drawn.request_reprojection > Duration::zero();
+  const TimeSpan draw{starts.draw,
+                      is_late ? starts.end : std::min(starts.draw + shown.drawn.total, starts.end)};
   const auto frame = events.thread(TraceRow::Frame, whole);
   events.add("frame", whole, frame, shown.frame);
   events.add("request", {starts.request, starts.collect}, frame, shown.frame);
   events.add("collect", {starts.collect, starts.draw}, frame, shown.frame);
   events.add("draw", draw, frame, shown.frame);
+  if (is_late) events.add("request", {starts.submitted, *starts.requested_late}, frame, shown.frame);
 
   // Before a request that asks for a part of its views their depth is drawn and a mask reprojected.
-  const bool reprojects = shown.drawn.request_reprojection > Duration::zero();
-  if (reprojects) {
-    const std::array<TraceStage, 2> before{
-        {{"depth", shown.drawn.depth}, {"carry", shown.drawn.request_reprojection}}};
+  std::vector<TraceStage> passes;
+  if (reprojects) passes = {{"depth", shown.drawn.depth}, {"carry", shown.drawn.request_reprojection}};
+  if (reprojects && !is_late) {
+    const std::vector<TraceStage> before = std::exchange(passes, {});
     const TimeSpan requested{std::max(starts.request, starts.collect - total_of(before)), starts.collect};
     events.add_stages(before, requested, events.thread(TraceRow::Device, requested), shown.frame);
   }
-  const std::array<TraceStage, 3> passes{{{"G-buffer", shown.drawn.gbuffer},
-                                          {"depth", reprojects ? Duration::zero() : shown.drawn.depth},
-                                          {"shade", shown.drawn.shade}}};
+  passes.insert(passes.end(), {{"G-buffer", shown.drawn.gbuffer},
+                               {"depth", reprojects ? Duration::zero() : shown.drawn.depth},
+                               {"shade", shown.drawn.shade}});
   const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
   events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
 }

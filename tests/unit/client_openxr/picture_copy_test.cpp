@@ -42,7 +42,8 @@ std::vector<std::uint32_t> fill(const gpu::Device& device, const gpu::Image& ima
 
 std::vector<std::uint32_t> read(const gpu::Device& device, const gpu::Image& image, Layout layout) {
   const std::size_t words = image.spec.size.pixels() * image.spec.layers;
-  const gpu::ReadbackBuffer back = gpu::make_readback_buffer(device, words * 4, "back");
+  const gpu::ReadbackBuffer back =
+      gpu::make_readback_buffer(device, words * 4, vk::BufferUsageFlagBits::eTransferDst, "back");
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, layout, Layout::eTransferSrcOptimal);
     commands.copyImageToBuffer(*image.image, Layout::eTransferSrcOptimal, *back.buffer, whole(image));

@@ -27,14 +27,15 @@ class Told {
   /// Frame `number` begins at `at`. Its stages are 1 ms request (sent after 0.5 ms), 2 ms collect and 5 ms
   /// draw.
   void show(std::uint32_t number, Duration at, std::optional<std::uint32_t> newest_mask = std::nullopt,
-            const StageTimes& times = {{.gbuffer = 1ms, .shade = 3ms, .total = 5ms}}) {
+            const StageTimes& times = {{.gbuffer = 1ms, .shade = 3ms, .total = 5ms}},
+            std::optional<StageStarts> late = std::nullopt) {
     const Time begin = kBegin + at;
     FrameRequest request{{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}}};
     for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kSize};
-    (void)receiver_.ask(request, {}, begin + 500us);
+    (void)receiver_.ask(request, {}, late ? *late->requested_late - 100us : begin + 500us);
     std::vector<TracedMask> masks;
     if (newest_mask) masks.push_back({{*newest_mask}, {}, {}, request.views, no_masks_, no_tiles_});
-    const StageStarts starts{begin, begin + 1ms, begin + 3ms, begin + 8ms};
+    const StageStarts starts = late.value_or(StageStarts{begin, begin + 1ms, begin + 3ms, begin + 8ms});
     timeline.add({request, &request, state_, masks, nullptr, std::nullopt, times, starts, settings_, {}},
                  &receiver_);
   }
@@ -169,6 +170,29 @@ TEST(Timeline, PlacesTheStagesOfTheClient) {
                                  on("collect", 1000, 3000, 1), on("draw", 3000, 8000, 1),
                                  on("frame", 20000, 28000, 2), on("request", 20000, 21000, 2),
                                  on("collect", 21000, 23000, 2), on("draw", 23000, 28000, 2)}));
+}
+
+/// It is sent from 4 to 6 ms, while the device still draws.
+TEST(Timeline, ShowsALateRequestBesideThePictureAndItsPassesBeforeIt) {
+  Told told;
+  const StageStarts starts{kBegin, kBegin + 1ms, kBegin + 3ms, kBegin + 8ms, kBegin + 4ms, kBegin + 6ms};
+  told.show(1, 0ms, std::nullopt,
+            {{.gbuffer = 1ms, .depth = 500us, .shade = 1500us, .request_reprojection = 1ms, .total = 3ms}},
+            starts);
+  expect_sound(events_of(told.timeline.text()));
+  const auto frames = events_on("vr_client frame", told);
+  ASSERT_EQ(frames.size(), 5u);
+  EXPECT_EQ(frames[3].name, "draw");
+  EXPECT_EQ(frames[3].end_us, 8000);
+  EXPECT_EQ(frames[4].name, "request");
+  EXPECT_EQ(frames[4].begin_us, 4000);
+  EXPECT_EQ(frames[4].end_us, 6000);
+  const auto passes = events_on("vr_client device", told);
+  std::vector<std::string> names;
+  for (const Event& pass : passes) names.push_back(pass.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"depth", "carry", "G-buffer", "shade"}));
+  EXPECT_EQ(passes.front().begin_us, 4000);
+  EXPECT_EQ(passes.back().end_us, 8000);
 }
 
 TEST(Timeline, EndsThePassesOfTheDeviceWithDraw) {
