@@ -92,7 +92,8 @@ class Hybrid final : public ModePipeline {
   Coding coding_;
   MaskStream mask_stream_;
   CubeMask cube_mask_;
-  /// In virtual time, and if a frame waits for its own answer, a request is sent before its frame is drawn.
+  /// Requests may be sent after their frame was submitted: not in virtual time, and not if frames wait for
+  /// their own answers.
   bool is_sent_late_;
   PartialRequest partial_request_;
   MaskSources masks_;
