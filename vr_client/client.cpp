@@ -39,7 +39,7 @@ RendererLimits renderer_limits(const Options& options) {
       has_guard_band(mode) && (options.preview || options.request.guard_band == GuardBandUse::Measured);
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
-          .depth_frames = reprojects_masks(mode) ? frames_in_flight(options) : 1};
+          .depth_frames = reprojects_masks(mode) ? requests_in_flight(options) : 1};
 }
 
 Expected<std::string> server_address(const std::string& server) {
@@ -86,7 +86,7 @@ Expected<void> check_mode(const ModeSettings& settings, const Scene& scene) {
 
 }  // namespace
 
-std::uint32_t frames_in_flight(const Options& options) {
+std::uint32_t requests_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
   if (options.preview) late_ms += kWorstPreviewPath_ms;
   const double late_frames = std::ceil(late_ms * 1e-3 * options.refresh_hz);
@@ -210,7 +210,7 @@ Expected<void> greet(const Options& options, Client& client, LinkListener listen
       std::make_unique<NetworkLink>(*client.network, client.clock,
                                     LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask,
                                                answers_for(options.mode.mode)},
-                                    frames_in_flight(options));
+                                    requests_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch connecting;
   Expected<void> connected = client.link->connect(kConnectTimeout);
@@ -337,7 +337,7 @@ CaptureHeader header_of(const Options& options, const Client& client) {
                                 : MaskOrigin::Nobody,
           .limits = renderer_limits(options),
           .detail_px = double{client.plan.draw.detail_px},
-          .requests = frames_in_flight(options),
+          .requests = requests_in_flight(options),
           .refresh_hz = options.refresh_hz,
           .exposure = client.exposure.value_or(Exposure{}),
           .policy = policy_of(options, client),

@@ -42,7 +42,7 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 
 /// Number of requests that the client remembers: those whose masks have not arrived, and those whose masks
 /// are still used.
-[[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
+[[nodiscard]] std::uint32_t requests_in_flight(const Options& options);
 
 /// What a run with these options needs from the scene's plan.
 [[nodiscard]] SessionNeeds needs_of(const Options& options, double eye_distance_m);

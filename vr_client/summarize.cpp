@@ -82,9 +82,8 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
         static_cast<double>(run.head_test.inside) / static_cast<double>(run.head_test.tested);
   totals.silent = run.silence.time();
   totals.silent_frames = run.silence.frames();
-  totals.planned_memory_bytes =
-      most_at_once(client_memory(client.scene, client.plan.draw, renderer_limits(options), client.levels,
-                                 maps_of(options), client.device.uploads));
+  totals.planned_memory_bytes = most_at_once(client_memory(
+      client.scene, client.plan.draw, renderer_limits(options), client.levels, maps_of(options)));
   return write_summary(options, setting, totals, run.log, heading(setting, totals, client));
 }
 
@@ -100,8 +99,8 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
                            .delay_ms = ms_of(header.policy.delay),
                            .interrupted = replay.interrupted};
   RunTotals totals = totals_of(client, header.limits.size, header.refresh_hz, replay.log);
-  totals.planned_memory_bytes = most_at_once(client_memory(client.scene, client.plan.draw, header.limits,
-                                                           client.levels, nullptr, client.device.uploads));
+  totals.planned_memory_bytes =
+      most_at_once(client_memory(client.scene, client.plan.draw, header.limits, client.levels));
   return write_summary(options, setting, totals, replay.log,
                        fmt::format("{} from {} on {}: {}\n", header.scene, options.replay.string(),
                                    client.device.name, replay.verdict));

@@ -64,7 +64,7 @@ Eyes shadow_difference(const AnswerRenderer::RenderedAnswer& drawn) {
   without.masks = {};
   drawn.renderer.shade_again(without);
   const Eyes lit = drawn.renderer.read_shown();
-  static_cast<void>(drawn.renderer.finish());  // its time is not that of the next picture
+  drawn.renderer.discard_times();  // its time is not that of the next picture
   for (std::size_t eye = 0; eye < kEyes; ++eye) eyes[eye] = difference_of(eyes[eye], lit[eye]);
   return eyes;
 }

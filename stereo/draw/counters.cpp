@@ -49,8 +49,7 @@ void add_shadow_maps(const Scene& scene, const ShadowMapSettings& maps, gpu::Byt
 }  // namespace
 
 gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits,
-                              const SceneLevels& levels, const ShadowMapSettings* maps,
-                              gpu::Uploads uploads) {
+                              const SceneLevels& levels, const ShadowMapSettings* maps) {
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels();
@@ -76,10 +75,10 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::Report] = shading.report;
   memory[Use::ReadBack] = pixels * 4;
   if (maps != nullptr) add_shadow_maps(scene, *maps, memory);
-  if (uploads == gpu::Uploads::Staged)
-    memory[Use::Uploads] = memory[Use::Frame] + shading.all_words(plan) + shading.all_known(plan) +
-                           kEyes * reprojection.quads + memory[Use::Motion] +
-                           (maps != nullptr ? map_data_bytes(scene) : 0);
+  memory[Use::Uploads] =
+      limits.frames *
+      (memory[Use::Frame] + shading.all_words(plan) + shading.all_known(plan) + kEyes * reprojection.quads +
+       memory[Use::Motion] + (maps != nullptr ? map_data_bytes(scene) : 0));
   return memory;
 }
 
@@ -112,7 +111,7 @@ std::uint64_t most_at_once(const gpu::BytesByUse& memory) {
   const std::uint64_t vertices = memory[Use::Vertices], textures = memory[Use::Textures];
   const std::uint64_t loading = vertices + std::max(std::min<std::uint64_t>(vertices, kStagingBytes),
                                                     textures + std::min(textures, memory[Use::Staging]));
-  return std::max(loading, memory.total() - memory[Use::Staging]);
+  return std::max(loading, memory.total() - memory[Use::Staging] - memory[Use::Uploads]);
 }
 
 }  // namespace farshade

@@ -4,7 +4,6 @@
 
 #include "stereo/frame/view.h"
 #include "stereo/gpu/ledger.h"
-#include "stereo/gpu/uploads.h"
 #include "stereo/lod/levels.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/shadow_maps/shadow_map_settings.h"
@@ -28,18 +27,17 @@ struct DrawCounters {
 /// The bytes that a renderer allocates at most, by use. It allocates Report and ReadBack when they are first
 /// requested, Depth as far as the answers are late (depth_slots.h), and frees Staging once the scene is on
 /// the device. With `maps` it draws shadow maps, too; then shadow_map_bytes must succeed for them.
-/// Use::Uploads is host memory.
+/// Use::Uploads is host memory, for frames that write everything.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits, const SceneLevels& levels = {},
-                                            const ShadowMapSettings* maps = nullptr,
-                                            gpu::Uploads uploads = gpu::Uploads::Direct);
+                                            const ShadowMapSettings* maps = nullptr);
 
 /// At most how many triangles a first G-buffer of `views` at scene time 0 submits, for both eyes: clusters
 /// outside of the views are counted. `levels` are those of the scene, or empty.
 [[nodiscard]] std::uint64_t gbuffer_triangles(const Scene& scene, const DrawPlan& plan,
                                               const SceneLevels& levels, const StereoView& views);
 
-/// The peak of the sum of all uses.
+/// The peak of the sum of all uses, without Use::Uploads.
 [[nodiscard]] std::uint64_t most_at_once(const gpu::BytesByUse& memory);
 
 }  // namespace farshade

@@ -2,16 +2,16 @@
 
 namespace farshade {
 
-CubeMaskFaces::CubeMaskFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+CubeMaskFaces::CubeMaskFaces(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                              const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size,
                              std::shared_ptr<ScenePipelines> pipelines)
-    : device_(device),
+    : frames_(frames),
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
       frame_buffer_(frame),
       pipelines_(std::move(pipelines)),
-      ring_(device, face_size(size), kCubeMaskSlots, DepthImages::Shared) {
+      ring_(frames.device(), face_size(size), kCubeMaskSlots, DepthImages::Shared) {
   if (!plan.builds_late) need_passes();
 }
 
@@ -19,7 +19,7 @@ void CubeMaskFaces::need_passes() {
   if (!passes_.empty()) return;
   passes_.reserve(kCubeMaskPairs);
   for (std::size_t pair = 0; pair < kCubeMaskPairs; ++pair)
-    passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_, pipelines_);
+    passes_.emplace_back(frames_, scene_, plan_, buffers_, frame_buffer_, pipelines_);
 }
 
 void CubeMaskFaces::prepare(const ShownFrame& frame) {

@@ -14,7 +14,7 @@ class CubeMaskFaces {
  public:
   /// For shown views of `size`. Keeps the references. If the plan does not build late, the passes exist at
   /// once. They share `pipelines` with the other depth passes.
-  CubeMaskFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+  CubeMaskFaces(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                 const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size,
                 std::shared_ptr<ScenePipelines> pipelines);
 
@@ -34,7 +34,7 @@ class CubeMaskFaces {
  private:
   void need_passes();
 
-  const gpu::Device& device_;
+  gpu::FramesInFlight& frames_;
   const Scene& scene_;
   const DrawPlan& plan_;
   const SceneBuffers& buffers_;

@@ -7,6 +7,7 @@
 #include "stereo/draw/cube_mask_faces.h"
 #include "stereo/draw/read_back.h"
 #include "stereo/gpu/frame_commands.h"
+#include "stereo/gpu/frames_in_flight.h"
 #include "stereo/plan/plan_masks.h"
 #include "stereo/raster/gbuffer_transfer.h"
 #include "stereo/raster/mesh_streams.h"
@@ -17,10 +18,10 @@
 namespace farshade {
 namespace {
 
-/// The kinds of parts of a frame that write to host memory which the device reads later.
+/// The kinds of parts of a frame. Each has its timestamps and descriptor sets, one set a frame.
 enum class Part : std::uint8_t { Request, Picture, Timewarp };
 
-/// The timestamps of a part: one before each of its stages, and one after the last.
+/// The timestamps of a part in those of its frame: one before each of its stages, and one after the last.
 struct Stamps {
   std::uint32_t first, count;
 };
@@ -44,11 +45,11 @@ class AddedTime {
   Stopwatch watch_;
 };
 
-std::optional<CubeMaskFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+std::optional<CubeMaskFaces> faces_of(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                                       const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
                                       Extent size, const std::shared_ptr<ScenePipelines>& pipelines) {
   if (most_cube_mask_pairs(plan) == 0) return std::nullopt;
-  return std::optional<CubeMaskFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
+  return std::optional<CubeMaskFaces>(std::in_place, frames, scene, plan, buffers, frame, size, pipelines);
 }
 
 /// A mask of the views of a request of which nothing is known.
@@ -84,9 +85,10 @@ class VulkanRenderer final : public Renderer {
   void timewarp_shown(const StereoView& from, const StereoView& shown) override;
   void draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
                             const StereoView& from) override;
-  void append(const gpu::Recording& record) override { commands_.record(record); }
+  void append(const gpu::Recording& record) override { now().last = commands_.record(record); }
   void submit() override;
   DrawTimes finish() override;
+  void discard_times() override;
   void forget() override;
   [[nodiscard]] bool has_depth(FrameId frame) const override {
     return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
@@ -98,13 +100,13 @@ class VulkanRenderer final : public Renderer {
     return report(side, {0, 0, size_.width, size_.height});
   }
   [[nodiscard]] ShownReport report(Side side, const TileRect& part) override {
-    collect();
+    collect_all();
     return shading_.report(side, part);
   }
   [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) override;
   [[nodiscard]] PerEye<Image<float>> read_distance() override;
   void read_gbuffer(GBufferPlanes& into) override {
-    collect();
+    collect_all();
     transfer_.read(shown_depth_, into);
   }
   [[nodiscard]] DrawCounters counters() const override;
@@ -112,8 +114,18 @@ class VulkanRenderer final : public Renderer {
 
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
+  /// A frame that the host prepares or the device may still work on.
+  struct Frame {
+    gpu::FrameCommands::Part last = 0;            ///< that was recorded
+    std::array<bool, kStamps.size()> recorded{};  ///< kinds of parts that are not in `times` yet
+    bool reprojects = false;                      ///< its request reprojects a mask
+    bool draws_maps = false;                      ///< its picture draws shadow maps
+    DrawTimes times;
+  };
+  [[nodiscard]] Frame& now() { return in_flight_[frames_.place()]; }
   void make_way_for(Part part);
-  void collect();
+  void collect(std::size_t place);
+  void collect_all();
   gpu::FrameCommands::Part record(
       Part part,
       const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages);
@@ -133,6 +145,7 @@ class VulkanRenderer final : public Renderer {
   const Scene& scene_;
   const DrawPlan plan_;
   Extent size_, traced_size_;
+  gpu::FramesInFlight frames_;
   SceneBuffers buffers_;
   MotionModel motion_;
   gpu::UploadBuffer frame_buffer_;  ///< one FrameData for all passes
@@ -154,10 +167,8 @@ class VulkanRenderer final : public Renderer {
   std::optional<DepthPlace> requested_depth_;                    ///< set if the depth pass must draw
   ReadBack read_back_;
   gpu::Timestamps stamps_;
-  DrawTimes times_;                              ///< of the frame so far
-  std::array<bool, kStamps.size()> recorded_{};  ///< parts that are not in times_ yet
-  bool draws_maps_ = false;                      ///< the recorded picture draws shadow maps
-  gpu::FrameCommands::Part reprojected_ = 0, collected_ = 0;
+  std::vector<Frame> in_flight_;              ///< by place
+  gpu::FrameCommands::Part reprojected_ = 0;  ///< the newest part that reprojects a mask to a request
   gpu::FrameCommands commands_;  ///< last, because it waits for the device before anything is destroyed
 };
 
@@ -168,55 +179,58 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       plan_(settled(std::move(plan))),
       size_(limits.size),
       traced_size_(limits.traced_size),
-      buffers_(make_scene_buffers(device, scene, plan_, levels)),
+      frames_(device, limits.frames),
+      buffers_(make_scene_buffers(frames_, scene, plan_, levels)),
       motion_(scene, plan_.moves),
-      frame_buffer_(gpu::make_upload_buffer(
-          device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
+      frame_buffer_(gpu::make_upload_buffer(frames_, sizeof(gpu::FrameData),
+                                            vk::BufferUsageFlagBits::eUniformBuffer, "frame",
+                                            gpu::Use::Frame)),
       own_depth_image_(make_depth_image(device, limits.traced_size, 1, "depth of shown views")),
       own_depth_(made_readable(device, own_depth_image_)),
       ring_(device, limits.traced_size, limits.depth_frames, DepthImages::Single),
-      faces_(faces_of(device, scene, plan_, buffers_, frame_buffer_, limits.size, depth_pipelines_)),
-      gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
-      transfer_(device, gbuffer_, limits.size),
+      faces_(faces_of(frames_, scene, plan_, buffers_, frame_buffer_, limits.size, depth_pipelines_)),
+      gbuffer_(frames_, scene, plan_, buffers_, frame_buffer_, limits.size),
+      transfer_(frames_, gbuffer_, limits.size),
       bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
-      masks_(device, plan_, bytes_),
-      shading_(device, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr, own_depth_}, masks_,
+      masks_(frames_, plan_, bytes_),
+      shading_(frames_, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr, own_depth_}, masks_,
                frame_buffer_, motion_, bytes_, limits.size),
       shown_depth_(own_depth_),
       read_back_(device),
-      stamps_(device, kAllStamps),
+      stamps_(device, narrow<std::uint32_t>(frames_.count()) * kAllStamps),
+      in_flight_(frames_.count()),
       commands_(device) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "traced views may be as large as shown views");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
 }
 
-/// The host may write again to the memory that parts of this kind read. Parts of a frame have their own; a
-/// frame waits for the frame before.
+/// A frame has one part of each kind. Another one waits for the first.
 void VulkanRenderer::make_way_for(Part part) {
-  const auto is_recorded = [&](Part one) { return recorded_[static_cast<std::size_t>(one)]; };
-  const bool shares_depth_pass =
-      part == Part::Request && is_recorded(Part::Picture) && requested_depth_.has_value();
-  if (is_recorded(part) || shares_depth_pass || commands_.submitted() > collected_) collect();
+  if (now().recorded[static_cast<std::size_t>(part)]) collect_all();
 }
 
-/// Waits for everything that was recorded, and adds its times to those of the frame.
-void VulkanRenderer::collect() {
-  commands_.wait(commands_.newest());
-  const bool has_reprojected = reprojected_ > collected_;
-  collected_ = commands_.newest();
+/// Waits for what was recorded of a frame, and adds its times.
+void VulkanRenderer::collect(std::size_t place) {
+  Frame& frame = in_flight_[place];
+  commands_.wait(frame.last);
   const auto took = [&](Part part, std::uint32_t stage) {
-    if (!recorded_[static_cast<std::size_t>(part)]) return Duration{};
-    const std::uint32_t first = stamps_of(part).first + stage;
+    if (!frame.recorded[static_cast<std::size_t>(part)]) return Duration{};
+    const std::uint32_t first = narrow<std::uint32_t>(place) * kAllStamps + stamps_of(part).first + stage;
     return stamps_.between(first, first + 1);
   };
-  times_.depth += took(Part::Request, 0) + took(Part::Picture, 1);
-  if (has_reprojected) times_.request_reprojection += took(Part::Request, 1);
-  times_.gbuffer += took(Part::Picture, 0);
-  if (draws_maps_) times_.maps += took(Part::Picture, 2);
-  times_.shade += took(Part::Picture, 3);
-  times_.timewarp += took(Part::Timewarp, 0);
-  recorded_ = {};
+  frame.times.depth += took(Part::Request, 0) + took(Part::Picture, 1);
+  if (frame.reprojects) frame.times.request_reprojection += took(Part::Request, 1);
+  frame.times.gbuffer += took(Part::Picture, 0);
+  if (frame.draws_maps) frame.times.maps += took(Part::Picture, 2);
+  frame.times.shade += took(Part::Picture, 3);
+  frame.times.timewarp += took(Part::Timewarp, 0);
+  frame.recorded = {};
+  frame.reprojects = frame.draws_maps = false;
+}
+
+void VulkanRenderer::collect_all() {
+  for (std::size_t i = 1; i <= frames_.count(); ++i) collect((frames_.place() + i) % frames_.count());
 }
 
 /// Records a part. `stages` calls its second argument after each stage but the last.
@@ -224,7 +238,8 @@ gpu::FrameCommands::Part VulkanRenderer::record(
     Part part,
     const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages) {
   const gpu::FrameCommands::Part recorded = commands_.record([&](const vk::raii::CommandBuffer& commands) {
-    const auto [first, count] = stamps_of(part);
+    const std::uint32_t count = stamps_of(part).count,
+                        first = narrow<std::uint32_t>(frames_.place()) * kAllStamps + stamps_of(part).first;
     stamps_.reset(commands, first, count);
     std::uint32_t stamp = first;
     const auto next_stage = [&] { stamps_.write(commands, stamp++); };
@@ -233,24 +248,37 @@ gpu::FrameCommands::Part VulkanRenderer::record(
     next_stage();
     check_eq(stamp, first + count, "stages of a part");
   });
-  recorded_[static_cast<std::size_t>(part)] = true;  // not if recording has thrown
+  now().recorded[static_cast<std::size_t>(part)] = true;  // not if recording has thrown
+  now().last = recorded;
   return recorded;
 }
 
 void VulkanRenderer::submit() {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   commands_.submit();
 }
 
 DrawTimes VulkanRenderer::finish() {
   const Stopwatch watch;
-  collect();
-  times_.total += watch.elapsed();
-  return std::exchange(times_, {});
+  commands_.submit();
+  collect(frames_.next_place());
+  now().times.total += watch.elapsed();
+  const DrawTimes of_host = now().times;
+  frames_.next();
+  DrawTimes times = std::exchange(now(), {}).times;
+  times.total = of_host.total;
+  times.triangles = of_host.triangles;
+  return times;
+}
+
+void VulkanRenderer::discard_times() {
+  if (now().last == 0) return;
+  collect_all();
+  now() = {};
 }
 
 void VulkanRenderer::make_depth_pass() {
-  depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, depth_pipelines_);
+  depth_pass_.emplace(frames_, scene_, plan_, buffers_, frame_buffer_, depth_pipelines_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
@@ -270,7 +298,6 @@ void VulkanRenderer::place_depth(const ShownFrame& frame) {
     return;
   }
   requested_depth_ = place;
-  make_way_for(Part::Request);  // which has the depth pass, too
   if (!depth_pass_) make_depth_pass();
   PerEye<HiddenArea> hidden;
   if (frame.hidden != nullptr) hidden = hidden_in_request(*frame.hidden, frame.views, frame.request->views);
@@ -310,8 +337,9 @@ void VulkanRenderer::prepare_shading(const ShownFrame& frame) {
 /// The existing shadow maps if their settings match, otherwise new ones.
 ShadowMaps& VulkanRenderer::need_maps(const ShadowMapSettings& settings) {
   if (!shadow_maps_ || shadow_maps_->settings() != settings) {
+    collect_all();  // what the device may still read is destroyed
     shadow_maps_.reset();
-    shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, settings);
+    shadow_maps_.emplace(frames_, scene_, plan_, buffers_, frame_buffer_, settings);
   }
   return *shadow_maps_;
 }
@@ -323,7 +351,7 @@ void VulkanRenderer::forget() {
 }
 
 void VulkanRenderer::draw(const ShownFrame& frame) {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   make_way_for(Part::Picture);
   place_depth(frame);
   if (faces_) faces_->prepare(frame);
@@ -335,7 +363,7 @@ void VulkanRenderer::draw(const ShownFrame& frame) {
 std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reprojection& reprojection,
                                                                  PixelReport report, Changes changes) {
   if (plan_.anything_moves()) changes = Changes::Possible;
-  collect();
+  collect_all();
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
@@ -353,7 +381,7 @@ std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reproject
 }
 
 void VulkanRenderer::shade_again(const ShownFrame& frame) {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   make_way_for(Part::Picture);
   prepare_shading(frame);
   record_picture(frame, Stage::Shade);
@@ -372,12 +400,12 @@ void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, Pe
            depth_pass_->record(commands, *place);
            next_stage();
          });
-  times_.triangles.depth += depth_pass_->scene_pass().triangles();
+  now().times.triangles.depth += depth_pass_->scene_pass().triangles();
   read_distance(*place, request.views[0].size, into);
 }
 
 RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
-  if (!request_reprojection_) request_reprojection_.emplace(device_, plan_, own_depth_, traced_size_);
+  if (!request_reprojection_) request_reprojection_.emplace(frames_, plan_, own_depth_, traced_size_);
   return *request_reprojection_;
 }
 
@@ -397,13 +425,14 @@ bool VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_
   depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
   need_request_reprojection().prepare(request, {.requested = *place, .base = ring_.place_of(from.frame)},
                                       from, state.light_set, since);
+  now().reprojects = true;
   reprojected_ = record(
       Part::Request, [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
         depth_pass_->record(commands, *place);
         next_stage();
         request_reprojection_->record(commands);
       });
-  times_.triangles.depth += depth_pass_->scene_pass().triangles();
+  now().times.triangles.depth += depth_pass_->scene_pass().triangles();
   return true;
 }
 
@@ -414,7 +443,7 @@ void VulkanRenderer::read_reprojected(RequestReprojection& into) {
 }
 
 void VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   ShownFrame direct = frame;
   direct.request = nullptr;
   direct.reprojection.lookup = Lookup::Direct;
@@ -442,29 +471,29 @@ void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
            next_stage();
            shading_.record(commands, frame.report);
          });
-  draws_maps_ = frame.shadow_maps != nullptr && shadow_maps_->due();
-  DrawnTriangles& triangles = times_.triangles;
+  now().draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
+  DrawnTriangles& triangles = now().times.triangles;
   if (stage == Stage::Both) triangles.gbuffer += gbuffer_.scene_pass().triangles();
   if (draws_depth) triangles.depth += depth_pass_->scene_pass().triangles();
   if (draws_faces) triangles.depth += faces_->triangles();
-  if (draws_maps_) triangles.maps += shadow_maps_->scene_pass().triangles();
+  if (now().draws_maps) triangles.maps += shadow_maps_->scene_pass().triangles();
 }
 
 TimewarpPass& VulkanRenderer::need_timewarp() {
-  if (!timewarp_) timewarp_.emplace(device_, shading_.shown(), traced_size_);
+  if (!timewarp_) timewarp_.emplace(frames_, shading_.shown(), traced_size_);
   return *timewarp_;
 }
 
 void VulkanRenderer::show_timewarped(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
                                      const StereoView& shown) {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   make_way_for(Part::Timewarp);
   need_timewarp().load(picture);
   record_timewarp(from, shown, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Show);
 }
 
 void VulkanRenderer::timewarp_shown(const StereoView& from, const StereoView& shown) {
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   make_way_for(Part::Timewarp);
   record_timewarp(from, shown, TimewarpPass::Source::Shown, TimewarpPass::Effect::Show);
 }
@@ -475,7 +504,7 @@ void VulkanRenderer::draw_with_difference(const ShownFrame& frame, const PerEye<
   unshadowed.masks = {};
   unshadowed.shadow_maps = nullptr;
   draw(unshadowed);
-  const AddedTime added(times_.total);
+  const AddedTime added(now().times.total);
   make_way_for(Part::Timewarp);
   need_timewarp().load(difference);
   record_timewarp(from, frame.views, TimewarpPass::Source::Loaded, TimewarpPass::Effect::Add);
@@ -489,7 +518,7 @@ void VulkanRenderer::record_timewarp(const StereoView& from, const StereoView& s
 }
 
 PerEye<Image<Rgb8>> VulkanRenderer::read_shown() {
-  collect();
+  collect_all();
   const auto pixels = read_back_.read<Rgba8>(shading_.shown(), vk::ImageLayout::eGeneral, 0, size_);
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -499,7 +528,7 @@ PerEye<Image<Rgb8>> VulkanRenderer::read_shown() {
 }
 
 ShownSurface VulkanRenderer::read_surface(Side side, glm::uvec2 pixel) {
-  collect();
+  collect_all();
   const GBufferTransfer::Pixel read = transfer_.read(shown_depth_, side, pixel);
   if (read.depth <= 0) return {};
   ShownSurface surface{.distance_m = static_cast<float>(kNearPlane_m / read.depth),
@@ -517,7 +546,7 @@ PerEye<Image<float>> VulkanRenderer::read_distance() {
 }
 
 void VulkanRenderer::read_distance(DepthPlace place, Extent size, PerEye<Image<float>>& into) {
-  collect();
+  collect_all();
   const auto depths =
       read_back_.read<float>(*place.image, vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {

@@ -97,12 +97,15 @@ struct RendererLimits {
   Extent size;                     ///< of a shown eye, pixels
   Extent traced_size;              ///< of a traced eye or of a picture to turn, at most
   std::uint32_t depth_frames = 8;  ///< requests whose depth is kept, at most
+  /// Frames that exist at one time: the one that is recorded, and those before it that the device may still
+  /// work on. With 1, `finish` waits for its own frame.
+  std::uint32_t frames = 1;
 };
 
 /// An interface, so that its users need not know Vulkan. make_renderer makes it.
 ///
 /// The functions that draw record a part of the frame. They return before the device has begun, and wait only
-/// if a part of the same kind has been recorded and not been finished. Their arguments need not outlive them.
+/// if the frame has a part of the same kind already. Their arguments need not outlive them.
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -165,9 +168,13 @@ class Renderer {
   /// Hands everything that was recorded to the device, in one submission. Does not wait.
   virtual void submit() = 0;
 
-  /// Ends the frame: submits what is left, waits until the device has finished it, and returns the times of
-  /// all parts since the last call.
+  /// Ends the frame: submits what is left, and waits until the device has finished the oldest frame, so that
+  /// another one can begin. Returns the times of that frame on the device, and `total` and `triangles` of the
+  /// one that ends: with RendererLimits::frames = 1 they are the same frame.
   virtual DrawTimes finish() = 0;
+
+  /// Forgets the times of what was recorded since the last `finish`, and waits for it.
+  virtual void discard_times() = 0;
 
   /// Forgets the depth of all requests and all masks. Call this when frame ids start again.
   virtual void forget() = 0;

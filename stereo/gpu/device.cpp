@@ -222,20 +222,6 @@ std::vector<std::string> ValidationLog::messages() const {
   return messages_;
 }
 
-Uploads uploads_for(const vk::PhysicalDeviceMemoryProperties& memory) {
-  using Property = vk::MemoryPropertyFlagBits;
-  constexpr vk::MemoryPropertyFlags seen_by_both =
-      Property::eDeviceLocal | Property::eHostVisible | Property::eHostCoherent;
-  vk::DeviceSize largest = 0, seen = 0;
-  for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-    const vk::MemoryPropertyFlags flags = memory.memoryTypes[i].propertyFlags;
-    const vk::DeviceSize bytes = memory.memoryHeaps[memory.memoryTypes[i].heapIndex].size;
-    if (flags & Property::eDeviceLocal) largest = std::max(largest, bytes);
-    if ((flags & seen_by_both) == seen_by_both) seen = std::max(seen, bytes);
-  }
-  return seen > 0 && seen >= largest / 2 ? Uploads::Direct : Uploads::Staged;
-}
-
 Expected<Device> open_device(const DeviceOptions& wanted) try {
   Device device;
   const DeviceOptions options = possible(wanted, device.context);
@@ -278,7 +264,6 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
           .get<vk::PhysicalDeviceVulkan11Properties>()
           .maxMemoryAllocationSize;
   device.memory = device.physical.getMemoryProperties();
-  device.uploads = uploads_for(device.memory);
   const QueueFamily family = *graphics_queue_family(device.instance, device.physical, options);
   device.queue_family = family.index;
   device.timestamp_bits = family.timestamp_bits;

@@ -16,7 +16,6 @@
 #include "stereo/gpu/formats.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/gpu/recording.h"
-#include "stereo/gpu/uploads.h"
 
 namespace farshade::gpu {
 
@@ -41,10 +40,6 @@ struct QueueUse {
 /// The longest uniform block that a device must allow. Almost every driver does.
 inline constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
 
-/// Direct if the host sees most of the device's memory: if both have one memory, or the GPU has a resizable
-/// BAR. A smaller part would not hold all uploads, and drivers need some of it themselves.
-[[nodiscard]] Uploads uploads_for(const vk::PhysicalDeviceMemoryProperties& memory);
-
 struct Device {
   vk::raii::Context context;
   std::unique_ptr<ValidationLog> validation_log;  ///< null when validation is off
@@ -58,7 +53,6 @@ struct Device {
   vk::raii::CommandPool commands{nullptr};
   vk::raii::PipelineCache pipelines{nullptr};  ///< pipeline_cache.h fills and keeps it
   vk::PhysicalDeviceMemoryProperties memory;
-  Uploads uploads = Uploads::Direct;
   std::uint64_t max_allocations = 0;          ///< that may exist at one time (maxMemoryAllocationCount)
   std::uint64_t max_allocation_bytes = 0;     ///< of one allocation (maxMemoryAllocationSize)
   std::uint32_t max_image_side_px = 0;        ///< maxImageDimension2D

@@ -3,6 +3,19 @@
 #include <algorithm>
 
 namespace farshade::gpu {
+namespace {
+
+/// Frames and parts use the same images and buffers.
+void wait_for_earlier(const vk::raii::CommandBuffer& commands) {
+  const vk::MemoryBarrier2 all{
+      .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+      .srcAccessMask = vk::AccessFlagBits2::eMemoryWrite,
+      .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+      .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &all});
+}
+
+}  // namespace
 
 FrameCommands::FrameCommands(const Device& device) : device_(device) {
   if (!device.timelines) return;
@@ -33,6 +46,7 @@ FrameCommands::Part FrameCommands::record(const Recording& record) {
   Buffer& buffer = free_buffer();
   buffer.commands.reset();
   buffer.commands.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  wait_for_earlier(buffer.commands);
   record(buffer.commands);
   buffer.commands.end();
   buffer.part = ++newest_;

@@ -22,8 +22,8 @@ class FrameCommands {
   /// Waits for the device.
   ~FrameCommands();
 
-  /// Calls `record` with the command buffer of a new part. Parts run in the order in which they were
-  /// recorded; a part sees what earlier ones wrote only after a barrier of its own.
+  /// Calls `record` with the command buffer of a new part. The device begins a part when it has finished all
+  /// earlier ones, and sees what they wrote.
   Part record(const Recording& record);
 
   /// Submits all parts that have been recorded since, if there are any. Does not wait.

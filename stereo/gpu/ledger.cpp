@@ -16,7 +16,7 @@ void Ledger::add(Use use, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   use_.now[use] += bytes;
   use_.peak[use] = std::max(use_.peak[use], use_.now[use]);
-  use_.peak_total = std::max(use_.peak_total, use_.now.total());
+  use_.peak_total = std::max(use_.peak_total, use_.now.total() - use_.now[Use::Uploads]);
   ++use_.allocations;
 }
 

@@ -27,7 +27,7 @@ enum class Use : std::uint8_t {
   ReadBack,
   ShadowMaps,  ///< of a client that draws its own shadows
   Staging,     ///< host memory from which the device copies
-  Uploads,     ///< the same for what the host writes every frame: only with Uploads::Staged
+  Uploads,     ///< the same for what the host writes every frame
   Other,
 };
 inline constexpr std::size_t kUses = 15;
@@ -47,8 +47,8 @@ struct BytesByUse {
 /// Allocated bytes, as rounded up by the driver.
 struct MemoryUse {
   BytesByUse now;
-  BytesByUse peak;  ///< of each use separately; the peaks may lie at different times
-  std::uint64_t peak_total = 0;
+  BytesByUse peak;                ///< of each use separately; the peaks may lie at different times
+  std::uint64_t peak_total = 0;   ///< of device memory and Staging: without Uploads
   std::uint64_t allocations = 0;  ///< that exist now
 };
 

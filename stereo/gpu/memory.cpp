@@ -105,11 +105,6 @@ MappedBuffer mapped(Buffer buffer) {
 
 constexpr vk::MemoryPropertyFlags kHost = Property::eHostVisible | Property::eHostCoherent;
 
-StagingBuffer make_host_buffer(const Device& device, std::size_t bytes, const std::string& name, Use use) {
-  return StagingBuffer(
-      mapped(make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, use)));
-}
-
 vk::ImageAspectFlags aspect_of(vk::Format format) {
   return format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
 }
@@ -192,43 +187,6 @@ Allocation bind_together(const Device& device, std::span<Image> images, const st
 
 }  // namespace
 
-/// Successive parts, and parts with small gaps between them, become one copy.
-void UploadBuffer::will_copy(std::size_t first, std::size_t count) {
-  constexpr std::size_t kGap_bytes = 4096;
-  const std::size_t end = first + count;
-  if (!written_.empty()) {
-    vk::BufferCopy& last = written_.back();
-    const std::size_t last_end = last.srcOffset + last.size;
-    if (first <= last_end + kGap_bytes && last.srcOffset <= end + kGap_bytes) {
-      first = std::min<std::size_t>(first, last.srcOffset);
-      last = vk::BufferCopy{.srcOffset = first, .dstOffset = first, .size = std::max(end, last_end) - first};
-      return;
-    }
-  }
-  written_.push_back({.srcOffset = first, .dstOffset = first, .size = count});
-}
-
-void record_uploads(const vk::raii::CommandBuffer& commands, std::span<const UploadBuffer* const> buffers) {
-  using At = vk::PipelineStageFlagBits2;
-  using Access = vk::AccessFlagBits2;
-  const auto barrier = [&](vk::PipelineStageFlags2 from, vk::AccessFlags2 written, vk::PipelineStageFlags2 to,
-                           vk::AccessFlags2 accessed) {
-    const vk::MemoryBarrier2 memory{
-        .srcStageMask = from, .srcAccessMask = written, .dstStageMask = to, .dstAccessMask = accessed};
-    commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
-  };
-  if (std::ranges::all_of(buffers, [](const UploadBuffer* buffer) { return buffer->written_.empty(); }))
-    return;
-  barrier(At::eAllCommands, Access::eMemoryWrite, At::eTransfer, Access::eTransferWrite);
-  for (const UploadBuffer* buffer : buffers)
-    if (!buffer->written_.empty()) {
-      commands.copyBuffer(*buffer->host_.buffer, *buffer->device_.buffer, buffer->written_);
-      buffer->written_.clear();
-    }
-  barrier(At::eTransfer, Access::eTransferWrite, At::eAllCommands,
-          Access::eMemoryRead | Access::eMemoryWrite);
-}
-
 vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerRange layers) {
   return device.logical.createImageView({.image = *image.image,
                                          .viewType = vk::ImageViewType::e2DArray,
@@ -239,19 +197,9 @@ vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerR
                                                               .layerCount = layers.count}});
 }
 
-UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                                const std::string& name, Use use) {
-  if (device.uploads == Uploads::Direct) try {
-      return UploadBuffer(StagingBuffer(
-          mapped(make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal}, name, use))));
-    } catch (const vk::OutOfDeviceMemoryError&) {  // the part that the host sees is full
-    }
-  Buffer buffer = make_device_buffer(device, bytes, usage | vk::BufferUsageFlagBits::eTransferDst, name, use);
-  return {std::move(buffer), make_host_buffer(device, bytes, name + " upload", Use::Uploads)};
-}
-
-StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name) {
-  return make_host_buffer(device, bytes, name, Use::Staging);
+StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name, Use use) {
+  return StagingBuffer(
+      mapped(make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, use)));
 }
 
 ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,

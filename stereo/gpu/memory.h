@@ -1,10 +1,9 @@
 /// Buffers and images with their memory. Each has one allocation, except textures, which share a few. The
-/// type of a buffer says who writes it: the host never reads what it writes (UploadBuffer, StagingBuffer),
-/// and never writes what it reads (ReadbackBuffer). All other buffers and images are in device-local memory.
+/// type of a buffer says who writes it: the host never reads what it writes (StagingBuffer), and never writes
+/// what it reads (ReadbackBuffer). All other buffers and images are in device-local memory.
 #pragma once
 
 #include <cstddef>
-#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -43,55 +42,6 @@ class StagingBuffer : public Buffer {
   std::byte* mapped_ = nullptr;
 };
 
-/// Written by the host every frame, read by the device. Either both use one memory, or the device copies what
-/// was written (Uploads): record_uploads must come before the commands that read.
-class UploadBuffer {
- public:
-  UploadBuffer() = default;
-  explicit UploadBuffer(StagingBuffer shared) : host_(std::move(shared)) {}
-  /// `device` is a transfer destination of the same size.
-  UploadBuffer(Buffer device, StagingBuffer host) : device_(std::move(device)), host_(std::move(host)) {}
-
-  /// What the device reads.
-  [[nodiscard]] const Buffer& buffer() const { return is_staged() ? device_ : host_; }
-  [[nodiscard]] std::size_t bytes() const { return host_.bytes; }
-
-  /// All elements, or some of them.
-  template <class T>
-  [[nodiscard]] WriteOnly<T> view() {
-    return view<T>(0, bytes() / sizeof(T));
-  }
-  template <class T>
-  [[nodiscard]] WriteOnly<T> view(std::size_t first, std::size_t count) {
-    const WriteOnly<T> part = host_.view<T>().part(first, count);
-    if (is_staged() && count > 0) will_copy(first * sizeof(T), count * sizeof(T));
-    return part;
-  }
-  template <class T>
-  void write(std::size_t i, const T& value) {
-    view<T>(i, 1).write(0, value);
-  }
-
- private:
-  friend void record_uploads(const vk::raii::CommandBuffer& commands,
-                             std::span<const UploadBuffer* const> buffers);
-  [[nodiscard]] bool is_staged() const { return device_.bytes > 0; }
-  void will_copy(std::size_t first, std::size_t count);
-
-  Buffer device_;  ///< without bytes: the device reads what the host writes
-  StagingBuffer host_;
-  /// What views were made of since it was copied last. Mutable: recording a copy changes no content.
-  mutable std::vector<vk::BufferCopy> written_;
-};
-
-/// Copies to the device what was written to staged buffers since the last call. All commands after it read
-/// the new content, and all before it the old one. Not within a rendering.
-void record_uploads(const vk::raii::CommandBuffer& commands, std::span<const UploadBuffer* const> buffers);
-inline void record_uploads(const vk::raii::CommandBuffer& commands,
-                           std::initializer_list<const UploadBuffer*> buffers) {
-  record_uploads(commands, std::span(buffers.begin(), buffers.size()));
-}
-
 /// Written by the device, read by the host.
 class ReadbackBuffer : public Buffer {
  public:
@@ -108,15 +58,10 @@ class ReadbackBuffer : public Buffer {
 };
 
 // All functions below throw when the device has no memory or no allocation left. If a type of memory has none
-// left, they try the next one that fits.
-
-/// A size below 16 bytes is rounded up to 16.
-[[nodiscard]] UploadBuffer make_upload_buffer(const Device& device, std::size_t bytes,
-                                              vk::BufferUsageFlags usage, const std::string& name,
-                                              Use use = Use::Other);
+// left, they try the next one that fits. A size below 16 bytes is rounded up to 16.
 
 [[nodiscard]] StagingBuffer make_staging_buffer(const Device& device, std::size_t bytes,
-                                                const std::string& name);
+                                                const std::string& name, Use use = Use::Staging);
 
 /// `usage`: eTransferDst for copies, eStorageBuffer for what shaders write.
 [[nodiscard]] ReadbackBuffer make_readback_buffer(const Device& device, std::size_t bytes,

@@ -52,7 +52,7 @@ std::size_t deformed_bytes(const Scene& scene, const DrawPlan& plan) {
   return poses_of(plan) * pose_bytes(scene);
 }
 
-DeformedVertices::DeformedVertices(const gpu::Device& device, const Scene& scene, const DrawPlan& plan)
+DeformedVertices::DeformedVertices(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan)
     : scene_(scene), poses_(scene.rigs.empty() ? 1 : poses_of(plan)) {
   if (scene.rigs.empty()) return;
   std::vector<std::optional<Place>> places(scene.instances.size());
@@ -65,10 +65,10 @@ DeformedVertices::DeformedVertices(const gpu::Device& device, const Scene& scene
   }
   for (Pose& pose : poses_) {
     pose.places_ = places;
-    pose.buffer_ = gpu::make_upload_buffer(device, bytes, vk::BufferUsageFlagBits::eVertexBuffer,
+    pose.buffer_ = gpu::make_upload_buffer(frames, bytes, vk::BufferUsageFlagBits::eVertexBuffer,
                                            "deformed vertices", gpu::Use::Frame);
-    pose.buffer_->view<std::byte>().fill(std::byte{0});
   }
+  poses_.front().buffer_->view<std::byte>().fill(std::byte{0});  // `any`
 }
 
 const DeformedVertices::Pose& DeformedVertices::at(const SceneState& state) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "stereo/gpu/memory.h"
+#include "stereo/gpu/upload_buffer.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
 
@@ -17,9 +17,9 @@ namespace farshade {
 
 class DeformedVertices {
  public:
-  /// Keeps a reference to the scene. As many poses are kept as one submission can need: one for shown views,
+  /// Keeps the references. As many poses are kept as one submission can need: one for shown views,
   /// one for requested views, and one for the faces of the cube mask.
-  DeformedVertices(const gpu::Device& device, const Scene& scene, const DrawPlan& plan);
+  DeformedVertices(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan);
 
   /// The vertices of one instance.
   struct Place {
@@ -46,8 +46,7 @@ class DeformedVertices {
     std::uint64_t last_use_ = 0;
   };
 
-  /// Of a state. Replaces the pose that has not been asked for the longest, if none is of this state. The
-  /// device must not read that one now.
+  /// Of a state. Replaces the pose that has not been asked for the longest, if none is of this state.
   [[nodiscard]] const Pose& at(const SceneState& state);
   /// The first pose, whatever it is. A warm-up, which covers no pixel, draws with it.
   [[nodiscard]] const Pose& any() const { return poses_.front(); }

@@ -23,15 +23,15 @@ gpu::Image make_output(const gpu::Device& device, Extent size, vk::Format format
 
 }  // namespace
 
-GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+GBufferPass::GBufferPass(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                          const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size)
     : size_(size),
-      pass_(device, scene, plan, buffers, frame, Outputs::GBuffer),
-      hidden_(device, plan, Outputs::GBuffer),
-      base_colors_(make_output(device, size, kColorFormat, "base colours")),
-      surfaces_(make_output(device, size, surface_format(plan), "surfaces")) {
+      pass_(frames, scene, plan, buffers, frame, Outputs::GBuffer),
+      hidden_(frames, plan, Outputs::GBuffer),
+      base_colors_(make_output(frames.device(), size, kColorFormat, "base colours")),
+      surfaces_(make_output(frames.device(), size, surface_format(plan), "surfaces")) {
   check(scene.instances.size() <= kMaxInstances, "the G-buffer has an index for every instance");
-  gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
+  gpu::run_now(frames.device(), [&](const vk::raii::CommandBuffer& commands) {
     for (const gpu::Image* image : {&base_colors_, &surfaces_})
       gpu::transition(commands, *image, Layout::eUndefined, Layout::eShaderReadOnlyOptimal);
   });

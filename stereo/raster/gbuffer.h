@@ -10,7 +10,7 @@ namespace farshade {
 class GBufferPass {
  public:
   /// The scene has at most kMaxInstances instances. `size` is in pixels per eye. Keeps the references.
-  GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+  GBufferPass(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
               const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Extent size);
 
   /// `hidden`: what the lenses hide of the views; null: nothing.
@@ -43,10 +43,11 @@ class GBufferPass {
 class DepthPass {
  public:
   /// Keeps the references. All depth passes of a renderer share `pipelines`.
-  DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::UploadBuffer& frame, std::shared_ptr<ScenePipelines> pipelines)
-      : pass_(device, scene, plan, buffers, frame, Outputs::Depth, 1, std::move(pipelines)),
-        hidden_(device, plan, Outputs::Depth) {}
+  DepthPass(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
+            const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
+            std::shared_ptr<ScenePipelines> pipelines)
+      : pass_(frames, scene, plan, buffers, frame, Outputs::Depth, 1, std::move(pipelines)),
+        hidden_(frames, plan, Outputs::Depth) {}
 
   void prepare_warm_up();
 

@@ -112,9 +112,9 @@ GBufferTransfer::Pixel GBufferTransfer::read(const DepthPlace& place, Side side,
 
 void GBufferTransfer::prepare(const GBufferPlanes& planes) {
   const Layout at = layout();
-  if (upload_.bytes == 0) upload_ = gpu::make_staging_buffer(device_, at.bytes, "G-buffer upload");
+  planes_ = frames_.take(at.bytes);
   const std::size_t pixels = size_.pixels();
-  const auto words = upload_.view<std::uint32_t>();
+  const auto words = planes_.view().as<std::uint32_t>();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     check_fits(planes.base_color[eye], size_, 3);
     check_fits(planes.normal[eye], size_, 4);
@@ -138,7 +138,9 @@ void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const Dept
   for (const Part& part : parts_of(gbuffer_, place, at.normals, at.depths)) {
     const auto target = ImageLayout::eTransferDstOptimal;
     gpu::transition(commands, part.image, ImageLayout::eUndefined, target, part.layers);
-    commands.copyBufferToImage(*upload_.buffer, *part.image.image, target, copy_of(part, size_));
+    vk::BufferImageCopy copy = copy_of(part, size_);
+    copy.bufferOffset += planes_.offset;
+    commands.copyBufferToImage(*planes_.buffer->buffer, *part.image.image, target, copy);
     gpu::transition(commands, part.image, target, ImageLayout::eShaderReadOnlyOptimal, part.layers);
   }
 }

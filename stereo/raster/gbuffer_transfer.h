@@ -10,8 +10,8 @@ namespace farshade {
 class GBufferTransfer {
  public:
   /// Keeps the references. Allocates no memory before its first use.
-  GBufferTransfer(const gpu::Device& device, const GBufferPass& gbuffer, Extent size)
-      : device_(device), gbuffer_(gbuffer), size_(size) {}
+  GBufferTransfer(gpu::FramesInFlight& frames, const GBufferPass& gbuffer, Extent size)
+      : frames_(frames), device_(frames.device()), gbuffer_(gbuffer), size_(size) {}
 
   /// Copies what was drawn last, with its depth in `place`, to `planes`. Reuses their memory.
   void read(const DepthPlace& place, GBufferPlanes& planes);
@@ -39,11 +39,12 @@ class GBufferTransfer {
   };
   [[nodiscard]] Layout layout() const;
 
+  gpu::FramesInFlight& frames_;
   const gpu::Device& device_;
   const GBufferPass& gbuffer_;
   Extent size_;
-  gpu::ReadbackBuffer readback_, pixel_;  ///< allocated at first use, as the next
-  gpu::StagingBuffer upload_;
+  gpu::ReadbackBuffer readback_, pixel_;  ///< allocated at first use
+  gpu::HostMemory planes_;                ///< of the prepared frame
 };
 
 }  // namespace farshade

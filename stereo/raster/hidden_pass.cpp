@@ -15,9 +15,11 @@ void HiddenPass::prepare(const PerEye<HiddenArea>* hidden, const StereoView& vie
 
 void HiddenPass::load(const PerEye<HiddenArea>& hidden) {
   const std::size_t bytes = (hidden[0].corners.size() + hidden[1].corners.size()) * sizeof(glm::vec2);
-  if (corners_.bytes() < bytes)
-    corners_ = gpu::make_upload_buffer(device_, bytes, vk::BufferUsageFlagBits::eVertexBuffer, "hidden area",
+  if (corners_.bytes() < bytes) {
+    frames_.keep(std::make_shared<gpu::UploadBuffer>(std::move(corners_)));
+    corners_ = gpu::make_upload_buffer(frames_, bytes, vk::BufferUsageFlagBits::eVertexBuffer, "hidden area",
                                        gpu::Use::Frame);
+  }
   for (std::size_t eye = 0, first = 0; eye < kEyes; ++eye) {
     corners_.view<glm::vec2>(first, hidden[eye].corners.size()).copy(hidden[eye].corners);
     first += hidden[eye].corners.size();
@@ -28,9 +30,9 @@ void HiddenPass::load(const PerEye<HiddenArea>& hidden) {
 void HiddenPass::need_pipeline() {
   if (*pipeline_) return;
   const auto drawn = gpu::push_constants<Drawn>(vk::ShaderStageFlagBits::eVertex);
-  layout_ =
-      device_.logical.createPipelineLayout({.pushConstantRangeCount = 1, .pPushConstantRanges = &drawn});
-  pipeline_ = make_hidden_pipeline(device_, layout_, plan_, outputs_);
+  layout_ = frames_.device().logical.createPipelineLayout(
+      {.pushConstantRangeCount = 1, .pPushConstantRanges = &drawn});
+  pipeline_ = make_hidden_pipeline(frames_.device(), layout_, plan_, outputs_);
 }
 
 void HiddenPass::record(const vk::raii::CommandBuffer& commands, As as) const {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "stereo/frame/hidden_area.h"
-#include "stereo/gpu/memory.h"
+#include "stereo/gpu/upload_buffer.h"
 #include "stereo/raster/scene_pipeline.h"
 
 namespace farshade {
@@ -13,8 +13,8 @@ namespace farshade {
 class HiddenPass {
  public:
   /// For scene passes with these outputs. Keeps the references.
-  HiddenPass(const gpu::Device& device, const DrawPlan& plan, Outputs outputs)
-      : device_(device), plan_(plan), outputs_(outputs) {}
+  HiddenPass(gpu::FramesInFlight& frames, const DrawPlan& plan, Outputs outputs)
+      : frames_(frames), plan_(plan), outputs_(outputs) {}
 
   /// Null, or no triangles: `record` does nothing, and no pipeline is created.
   void prepare(const PerEye<HiddenArea>* hidden, const StereoView& views);
@@ -38,7 +38,7 @@ class HiddenPass {
     float depth = 0;
   };
 
-  const gpu::Device& device_;
+  gpu::FramesInFlight& frames_;
   const DrawPlan& plan_;
   Outputs outputs_;
   vk::raii::PipelineLayout layout_{nullptr};

@@ -208,12 +208,12 @@ std::vector<bool> textures_read(const Scene& scene, const DrawPlan& plan) {
   return read;
 }
 
-SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+SceneBuffers make_scene_buffers(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                                 const SceneLevels& levels) {
   SceneBuffers buffers;
-  make_meshes(device, scene, plan, levels, buffers);
-  buffers.deformed = std::make_unique<DeformedVertices>(device, scene, plan);
-  make_textures(device, scene, plan, buffers);
+  make_meshes(frames.device(), scene, plan, levels, buffers);
+  buffers.deformed = std::make_unique<DeformedVertices>(frames, scene, plan);
+  make_textures(frames.device(), scene, plan, buffers);
   return buffers;
 }
 

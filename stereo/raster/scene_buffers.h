@@ -50,8 +50,8 @@ struct SceneBuffers {
   vk::raii::DescriptorSetLayout texture_layout{nullptr};  ///< null if no mesh reads a texture
 };
 
-/// `levels` are those of the scene, or empty. Throws if the device has too little memory.
-[[nodiscard]] SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene,
+/// `levels` are those of the scene, or empty. Keeps `frames`. Throws if the device has too little memory.
+[[nodiscard]] SceneBuffers make_scene_buffers(gpu::FramesInFlight& frames, const Scene& scene,
                                               const DrawPlan& plan, const SceneLevels& levels);
 
 }  // namespace farshade

@@ -32,30 +32,30 @@ vk::RenderingAttachmentInfo cleared(vk::ImageView view, vk::ImageLayout layout) 
           .clearValue = {}};
 }
 
-ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+ScenePass::ScenePass(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                      const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Outputs outputs,
                      std::size_t pairs, std::shared_ptr<ScenePipelines> pipelines)
-    : device_(device),
+    : device_(frames.device()),
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
       frame_(frame),
       outputs_(outputs),
-      instances_(gpu::make_upload_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
+      instances_(gpu::make_upload_buffer(frames, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eUniformBuffer, "instances",
                                          gpu::Use::Frame)),
       deformed_(&buffers.deformed->any()),
-      bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
+      bindings_(gpu::make_bindings(device_, scene_set(outputs), to_string(outputs))),
       pipelines_(std::move(pipelines)),
       draws_(pairs),
       last_levels_(scene.instances.size(), 0) {
-  gpu::bind_buffer(device, bindings_, 0, instances_.buffer(), sizeof(gpu::InstanceData));
-  if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame.buffer());
+  gpu::bind_buffer(device_, bindings_, 0, instances_.buffer(), sizeof(gpu::InstanceData));
+  if (outputs == Outputs::GBuffer) gpu::bind_buffer(device_, bindings_, 1, frame.buffer());
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
   bool textured = false;
   for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) textured |= variant_of(mesh).textured;
   if (textured) sets.push_back(*buffers_.texture_layout);
-  layout_ = device.logical.createPipelineLayout(
+  layout_ = device_.logical.createPipelineLayout(
       {.setLayoutCount = narrow<std::uint32_t>(sets.size()), .pSetLayouts = sets.data()});
   if (!plan.builds_late) make_all_pipelines();
 }

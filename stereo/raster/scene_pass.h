@@ -33,8 +33,9 @@ class ScenePass {
  public:
   /// Keeps the references. `frame` holds a FrameData. A frame draws into at most `pairs` pairs of layers.
   /// `pipelines` are those of the passes with the same outputs, and become more.
-  ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::UploadBuffer& frame, Outputs outputs, std::size_t pairs = 1,
+  ScenePass(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
+            const SceneBuffers& buffers, const gpu::UploadBuffer& frame, Outputs outputs,
+            std::size_t pairs = 1,
             std::shared_ptr<ScenePipelines> pipelines = std::make_shared<ScenePipelines>());
 
   /// Creates the pipelines of all meshes.

@@ -6,15 +6,15 @@
 namespace farshade {
 namespace {
 
-gpu::UploadBuffer make_masks(const gpu::Device& device, std::size_t bytes, const char* name) {
-  return gpu::make_upload_buffer(device, bytes, vk::BufferUsageFlagBits::eStorageBuffer, name,
+gpu::UploadBuffer make_masks(gpu::FramesInFlight& frames, std::size_t bytes, const char* name) {
+  return gpu::make_upload_buffer(frames, bytes, vk::BufferUsageFlagBits::eStorageBuffer, name,
                                  gpu::Use::Masks);
 }
 
 /// Writes which blocks of each tile of an eye are known. Returns whether all are.
 bool write_known(const TracedMask& mask, std::size_t eye, WriteOnly<std::uint16_t> blocks) {
   bool whole = true;
-  blocks.part(0, mask.received_tiles[eye].size()).generate([&](std::size_t tile) {
+  blocks.generate([&](std::size_t tile) {
     const BlockBits known = known_blocks(mask, eye, tile);
     whole &= known == kAllBlocks;
     return known;
@@ -26,10 +26,10 @@ bool write_known(const TracedMask& mask, std::size_t eye, WriteOnly<std::uint16_
 
 static_assert(kTileSide_px == FARSHADE_TILE_PX && kBlockSide_px == FARSHADE_BLOCK_PX);
 
-DeviceMasks::DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes)
+DeviceMasks::DeviceMasks(gpu::FramesInFlight& frames, const DrawPlan& plan, const ShadingBytes& bytes)
     : plan_(plan),
-      words_(make_masks(device, bytes.all_words(plan), "masks")),
-      known_(make_masks(device, bytes.all_known(plan), "known blocks")),
+      words_(make_masks(frames, bytes.all_words(plan), "masks")),
+      known_(make_masks(frames, bytes.all_known(plan), "known blocks")),
       shelves_{Shelf{bytes.mask, 0, 0, MaskSlots(most_masks(plan)), std::vector<bool>(most_masks(plan))},
                Shelf{bytes.face, most_masks(plan) * kEyes * bytes.mask.words,
                      most_masks(plan) * kEyes * bytes.mask.known, MaskSlots(most_cube_mask_pairs(plan)),
@@ -76,8 +76,7 @@ bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask&
       there.copy(bits.bytes());
     }
     const std::size_t known = (shelf.known + at * shelf.bytes.known) / sizeof(std::uint16_t);
-    whole &=
-        write_known(mask, eye, known_.view<std::uint16_t>(known, shelf.bytes.known / sizeof(std::uint16_t)));
+    whole &= write_known(mask, eye, known_.view<std::uint16_t>(known, mask.received_tiles[eye].size()));
   }
   return whole;
 }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "stereo/gpu/memory.h"
+#include "stereo/gpu/upload_buffer.h"
 #include "stereo/reproject/mask_slots.h"
 #include "stereo/reproject/reprojection.h"
 #include "stereo/reproject/shading_layout.h"
@@ -16,8 +16,8 @@ namespace farshade {
 class DeviceMasks {
  public:
   /// Room for most_masks(plan) masks of views and most_cube_mask_pairs(plan) masks of the cube's faces. Keeps
-  /// the reference.
-  DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes);
+  /// the references.
+  DeviceMasks(gpu::FramesInFlight& frames, const DrawPlan& plan, const ShadingBytes& bytes);
 
   enum class Kind : std::uint8_t { Views, CubeMask };
 

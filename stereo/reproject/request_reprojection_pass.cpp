@@ -26,43 +26,47 @@ std::vector<gpu::BindingKind> request_reprojection_set() {
 
 }  // namespace
 
-RequestReprojectionPass::RequestReprojectionPass(const gpu::Device& device, const DrawPlan& plan,
+RequestReprojectionPass::RequestReprojectionPass(gpu::FramesInFlight& frames, const DrawPlan& plan,
                                                  const DepthPlace& any_depth, Extent traced_size)
-    : device_(device),
+    : frames_(frames),
+      device_(frames.device()),
       plan_(plan),
-      frame_buffer_(gpu::make_upload_buffer(device, sizeof(gpu::FrameData),
+      frame_buffer_(gpu::make_upload_buffer(frames, sizeof(gpu::FrameData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested frame",
                                             gpu::Use::Frame)),
-      light_buffer_(gpu::make_upload_buffer(device, (plan.mask.lights + 1) * sizeof(gpu::LightData),
+      light_buffer_(gpu::make_upload_buffer(frames, (plan.mask.lights + 1) * sizeof(gpu::LightData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested lights",
                                             gpu::Use::Frame)),
       quad_bytes_(request_reprojection_bytes(plan, traced_size).quads),
-      quads_(gpu::make_upload_buffer(device, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
+      quads_(gpu::make_upload_buffer(frames, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
                                      "quads of a mask", gpu::Use::Masks)),
       reprojected_(gpu::make_readback_buffer(
-          device, request_reprojection_bytes(plan, traced_size).reprojected,
+          device_, request_reprojection_bytes(plan, traced_size).reprojected,
           vk::BufferUsageFlagBits::eStorageBuffer, "reprojected masks", gpu::Use::Masks)),
-      unknown_(gpu::make_readback_buffer(device, request_reprojection_bytes(plan, traced_size).unknown,
+      unknown_(gpu::make_readback_buffer(device_, request_reprojection_bytes(plan, traced_size).unknown,
                                          vk::BufferUsageFlagBits::eStorageBuffer, "unknown blocks",
                                          gpu::Use::Masks)),
-      nearest_(device.logical.createSampler({})),
-      bindings_(gpu::make_bindings(device, request_reprojection_set(), "request reprojection")) {
-  gpu::bind_buffer(device_, bindings_, 0, frame_buffer_.buffer());
-  gpu::bind_buffer(device_, bindings_, 1, light_buffer_.buffer());
-  gpu::bind_buffer(device_, bindings_, 2, quads_.buffer());
-  gpu::bind_buffer(device_, bindings_, 4, reprojected_);
-  gpu::bind_buffer(device_, bindings_, 5, unknown_);
-  bind({any_depth, any_depth});
-  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
-                                                 .pSetLayouts = &*bindings_.layout,
-                                                 .pushConstantRangeCount = 1,
-                                                 .pPushConstantRanges = &kShownEye});
+      nearest_(device_.logical.createSampler({})) {
+  for (std::size_t place = 0; place < frames.count(); ++place) {
+    const gpu::Bindings& bindings = bindings_.emplace_back(
+        gpu::make_bindings(device_, request_reprojection_set(), "request reprojection"));
+    gpu::bind_buffer(device_, bindings, 0, frame_buffer_.buffer());
+    gpu::bind_buffer(device_, bindings, 1, light_buffer_.buffer());
+    gpu::bind_buffer(device_, bindings, 2, quads_.buffer());
+    gpu::bind_buffer(device_, bindings, 4, reprojected_);
+    gpu::bind_buffer(device_, bindings, 5, unknown_);
+    bind(bindings, {any_depth, any_depth});
+  }
+  layout_ = device_.logical.createPipelineLayout({.setLayoutCount = 1,
+                                                  .pSetLayouts = &*bindings_.front().layout,
+                                                  .pushConstantRangeCount = 1,
+                                                  .pPushConstantRanges = &kShownEye});
 }
 
-void RequestReprojectionPass::bind(const Depths& depths) {
+void RequestReprojectionPass::bind(const gpu::Bindings& bindings, const Depths& depths) const {
   const auto read = vk::ImageLayout::eShaderReadOnlyOptimal;
-  gpu::bind_image(device_, bindings_, 3, {depths.requested.view, read, *nearest_});
-  gpu::bind_image(device_, bindings_, 6, {depths.base.view, read, *nearest_});
+  gpu::bind_image(device_, bindings, 3, {depths.requested.view, read, *nearest_});
+  gpu::bind_image(device_, bindings, 6, {depths.base.view, read, *nearest_});
 }
 
 void RequestReprojectionPass::prepare(const FrameMoment& request, const Depths& depths,
@@ -83,7 +87,7 @@ void RequestReprojectionPass::prepare(const FrameMoment& request, const Depths& 
   const std::array<const Motion*, 1> motions{&since};
   write_stale(request.views, {.masks = motions}, frame);
   size_ = request.views[0].size;
-  bind(depths);
+  bind(bindings_now(), depths);
   frame_buffer_.write(0, frame);
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
     light_buffer_.write(i, light_data(request.views, lights.lights[i], lights.exposure));
@@ -91,7 +95,7 @@ void RequestReprojectionPass::prepare(const FrameMoment& request, const Depths& 
 
 gpu::Recording RequestReprojectionPass::warm_up() {
   return [this, &pipeline = need_pipeline()](const vk::raii::CommandBuffer& commands) {
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_now().set, {});
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
     push_shown_eye(commands, layout_, 0);
     commands.dispatch(0, 1, 1);
@@ -114,7 +118,7 @@ const vk::raii::Pipeline& RequestReprojectionPass::need_pipeline() {
 
 void RequestReprojectionPass::record(const vk::raii::CommandBuffer& commands) {
   gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &quads_});
-  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_now().set, {});
   const Extent blocks = blocks_of(size_);
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline());
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {

@@ -65,10 +65,11 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 
 }  // namespace
 
-ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
+ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass& gbuffer,
                          const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
                          const MotionModel& motion, const ShadingBytes& bytes, Extent size)
-    : device_(device),
+    : frames_(frames),
+      device_(frames.device()),
       plan_(plan),
       depths_(depths),
       device_masks_(device_masks),
@@ -76,20 +77,21 @@ ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const 
       size_(size),
       bytes_(bytes),
       motion_count_(motion.slot_count()),
-      pipelines_(device, plan, motion.slot_count() > 0) {
-  check(fits_dispatches(size, device.max_groups), "the device allows the workgroups of a picture");
+      pipelines_(device_, plan, motion.slot_count() > 0) {
+  check(fits_dispatches(size, device_.max_groups), "the device allows the workgroups of a picture");
   make_buffers(motion);
-  make_sets(gbuffer);
+  nearest_ = device_.logical.createSampler({});
+  for (std::size_t place = 0; place < frames.count(); ++place) frame_sets_.push_back(make_set(gbuffer));
   if (!plan.builds_late) make_all_pipelines();
 }
 
 void ShadingPass::make_buffers(const MotionModel& motion) {
   const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
-  light_buffer_ = gpu::make_upload_buffer(device_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
+  light_buffer_ = gpu::make_upload_buffer(frames_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
                                           "lights", gpu::Use::Frame);
   if (bytes_.motions > 0) {
     const auto upload = [&](std::size_t bytes, const char* name) {
-      return gpu::make_upload_buffer(device_, bytes, storage, name, gpu::Use::Motion);
+      return gpu::make_upload_buffer(frames_, bytes, storage, name, gpu::Use::Motion);
     };
     motion_slots_ = upload(bytes_.slots, "motion slots");
     motion_slots_.view<std::uint32_t>().copy(motion.slots());
@@ -114,29 +116,30 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
   });
 }
 
-void ShadingPass::make_sets(const GBufferPass& gbuffer) {
-  nearest_ = device_.logical.createSampler({});
-  bindings_ = gpu::make_bindings(device_, shading_set(bytes_), "shading");
+ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass& gbuffer) const {
+  FrameSet set{gpu::make_bindings(device_, shading_set(bytes_), "shading")};
+  const gpu::Bindings& bindings = set.bindings;
   std::uint32_t binding = 0;
   for (const gpu::UploadBuffer* upload : {&std::as_const(frame_buffer_), &std::as_const(light_buffer_),
                                           &device_masks_.words(), &device_masks_.known_blocks()})
-    gpu::bind_buffer(device_, bindings_, binding++, upload->buffer());
+    gpu::bind_buffer(device_, bindings, binding++, upload->buffer());
   check_eq(binding++, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
   for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
-    gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
+    gpu::bind_image(device_, bindings, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
+  gpu::bind_image(device_, bindings, binding++, {*shown_.view, Layout::eGeneral, nullptr});
   if (hard_buffer_.bytes > 0) {
-    gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_, bytes_.arguments);
+    gpu::bind_buffer(device_, bindings, binding++, hard_buffer_, bytes_.arguments);
     // Without a cube mask its depth is not read.
     const gpu::Image& faces = depths_.faces ? depths_.faces->images().front() : *depths_.any.image;
-    gpu::bind_image(device_, bindings_, binding++, {*faces.view, Layout::eShaderReadOnlyOptimal, *nearest_});
+    gpu::bind_image(device_, bindings, binding++, {*faces.view, Layout::eShaderReadOnlyOptimal, *nearest_});
     check_eq(binding, std::uint32_t{FARSHADE_BINDING_MASK_DEPTHS}, "first binding of the depth of masks");
     binding += kMaxMasks;
   }
   for (const gpu::UploadBuffer* upload : {&motion_slots_, &motion_buffer_})
-    if (upload->bytes() > 0) gpu::bind_buffer(device_, bindings_, binding++, upload->buffer());
-  check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
-  bind_depths(depths_.any, {});
+    if (upload->bytes() > 0) gpu::bind_buffer(device_, bindings, binding++, upload->buffer());
+  check_eq(std::size_t{binding}, bindings.kinds.size(), "bindings of the shading pass");
+  bind_depths(set, depths_.any, {});
+  return set;
 }
 
 /// Writes the sources of each shown eye: the masks traced for it and, if used, those for the other eye.
@@ -206,7 +209,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   masks_ = masks.size();
   faces_ = in_use.cube_mask.size() * kEyes;
   write_motion(views, in_use, frame);
-  bind_depths(shown, masks);
+  bind_depths(frame_sets_[frames_.place()], shown, masks);
   if (!masks.empty()) {
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
     frame.counts.z = delta.angle_rad < kMeaninglessTurn_rad;

@@ -39,13 +39,13 @@ class ShadingPass {
  public:
   /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
   /// that `prepare` fills. Keeps the references except `motion`.
-  ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
+  ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass& gbuffer,
               const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
   /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The depth of
   /// `views` will be `shown`, the first layers of an image. If the plan does not reproject masks, the lookup
-  /// is Direct. The device has finished the last `record`.
+  /// is Direct.
   void prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                const MasksInUse& masks, const Reprojection& reprojection);
 
@@ -76,9 +76,15 @@ class ShadingPass {
   void make_all_pipelines();
   void assume_nothing();
   void make_buffers(const MotionModel& motion);
-  void make_sets(const GBufferPass& gbuffer);
-  void bind_depths(const DepthPlace& shown, std::span<const DatedMask> masks);
-  void bind_depth(std::uint32_t binding, vk::ImageView view);
+  /// Set 0. Its depths differ from frame to frame.
+  struct FrameSet {
+    gpu::Bindings bindings;
+    std::map<std::uint32_t, vk::ImageView> depths{};  ///< by binding
+  };
+  [[nodiscard]] FrameSet make_set(const GBufferPass& gbuffer) const;
+  [[nodiscard]] const FrameSet& set_now() const { return frame_sets_[frames_.place()]; }
+  void bind_depths(FrameSet& set, const DepthPlace& shown, std::span<const DatedMask> masks) const;
+  void bind_depth(FrameSet& set, std::uint32_t binding, vk::ImageView view) const;
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void write_faces(const StereoView& views, std::span<const DatedMask> cube_mask, gpu::FrameData& frame);
   void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
@@ -94,6 +100,7 @@ class ShadingPass {
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
 
+  gpu::FramesInFlight& frames_;
   const gpu::Device& device_;
   const DrawPlan& plan_;
   const MaskDepths depths_;
@@ -107,9 +114,8 @@ class ShadingPass {
   std::size_t motion_count_;  ///< of instances that can move
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};
-  gpu::Bindings bindings_;
-  std::map<std::uint32_t, vk::ImageView> bound_depths_;  ///< by binding
-  gpu::Bindings report_bindings_;                        ///< the last set; empty until a report is requested
+  std::vector<FrameSet> frame_sets_;  ///< by place of the frame in flight
+  gpu::Bindings report_bindings_;     ///< the last set; empty until a report is requested
   std::map<std::size_t, vk::raii::PipelineLayout> layouts_;  ///< by the sets that they contain
   ShadingPipelines pipelines_;
   // State of the frame that was prepared last.

@@ -6,7 +6,7 @@ namespace farshade {
 
 /// Set 0, then the set of the shadow maps if they are used, then the set of the report if one is requested.
 std::vector<const gpu::Bindings*> ShadingPass::sets(PixelReport report) const {
-  std::vector<const gpu::Bindings*> result{&bindings_};
+  std::vector<const gpu::Bindings*> result{&set_now().bindings};
   if (maps_ != nullptr) result.push_back(&maps_->bindings());
   if (report == PixelReport::On) result.push_back(&report_bindings_);
   return result;
@@ -36,25 +36,26 @@ void ShadingPass::bind_sets(const vk::raii::CommandBuffer& commands, PixelReport
 }
 
 std::size_t ShadingPass::bindings() const {
-  return bindings_.kinds.size() + report_bindings_.kinds.size();
+  return set_now().bindings.kinds.size() + report_bindings_.kinds.size();
 }
 
-void ShadingPass::bind_depth(std::uint32_t binding, vk::ImageView view) {
-  vk::ImageView& bound = bound_depths_[binding];
+void ShadingPass::bind_depth(FrameSet& set, std::uint32_t binding, vk::ImageView view) const {
+  vk::ImageView& bound = set.depths[binding];
   if (bound == view) return;
   bound = view;
-  gpu::bind_image(device_, bindings_, binding, {view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
+  gpu::bind_image(device_, set.bindings, binding, {view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
 }
 
-/// Binds the depth that the next `record` reads. The only writer of a set that was in use: the device must
-/// have finished with it. Writes only what differs from the last frame.
-void ShadingPass::bind_depths(const DepthPlace& shown, std::span<const DatedMask> masks) {
-  bind_depth(FARSHADE_BINDING_SHOWN_DEPTH, shown.view);
+/// Binds the depth that the next `record` reads. The only writer of a set that was in use. Writes only what
+/// differs from the last frame with this set.
+void ShadingPass::bind_depths(FrameSet& set, const DepthPlace& shown,
+                              std::span<const DatedMask> masks) const {
+  bind_depth(set, FARSHADE_BINDING_SHOWN_DEPTH, shown.view);
   if (!reprojects_masks(plan_)) return;
   for (std::uint32_t m = 0; m < kMaxMasks; ++m) {
     const bool has_depth = m < masks.size() && depths_.views.has(masks[m].mask.frame);
     const DepthPlace& place = has_depth ? depths_.views.place_of(masks[m].mask.frame) : depths_.any;
-    bind_depth(FARSHADE_BINDING_MASK_DEPTHS + m, place.view);
+    bind_depth(set, FARSHADE_BINDING_MASK_DEPTHS + m, place.view);
   }
 }
 
@@ -68,7 +69,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   whole_ = true;
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
-  bind_depths(shown, {});
+  bind_depths(frame_sets_[frames_.place()], shown, {});
   write_frame(views, lights, frame);
 }
 

@@ -71,31 +71,31 @@ PerEye<double> outside_share(const StereoView& from, const StereoView& shown) {
   return shares;
 }
 
-TimewarpPass::TimewarpPass(const gpu::Device& device, const gpu::Image& shown, Extent largest)
-    : device_(device),
+TimewarpPass::TimewarpPass(gpu::FramesInFlight& frames, const gpu::Image& shown, Extent largest)
+    : device_(frames.device()),
       shown_(shown),
       size_(shown.spec.size),
       largest_(largest),
       picture_(gpu::make_upload_buffer(
-          device, kEyes * largest.pixels() * 4,
+          frames, kEyes * largest.pixels() * 4,
           vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",
           gpu::Use::Shown)),
-      light_of_(gpu::make_upload_buffer(device, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
+      light_of_(gpu::make_upload_buffer(frames, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
                                         "light of levels", gpu::Use::Shown)),
-      bindings_(gpu::make_bindings(device,
+      bindings_(gpu::make_bindings(device_,
                                    {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute},
                                     {vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute}},
                                    "timewarp")) {
-  gpu::bind_buffer(device, bindings_, 0, picture_.buffer());
-  gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
-  gpu::bind_buffer(device, bindings_, 2, light_of_.buffer());
+  gpu::bind_buffer(device_, bindings_, 0, picture_.buffer());
+  gpu::bind_image(device_, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
+  gpu::bind_buffer(device_, bindings_, 2, light_of_.buffer());
   light_of_.view<float>().copy(light_of_levels());
   const auto push = gpu::push_constants<gpu::TimewarpData>(vk::ShaderStageFlagBits::eCompute);
-  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
-                                                 .pSetLayouts = &*bindings_.layout,
-                                                 .pushConstantRangeCount = 1,
-                                                 .pPushConstantRanges = &push});
+  layout_ = device_.logical.createPipelineLayout({.setLayoutCount = 1,
+                                                  .pSetLayouts = &*bindings_.layout,
+                                                  .pushConstantRangeCount = 1,
+                                                  .pPushConstantRanges = &push});
 }
 
 void TimewarpPass::load(const PerEye<Image<Rgb8>>& picture) {

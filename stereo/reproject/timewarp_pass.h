@@ -5,6 +5,7 @@
 
 #include "stereo/frame/view.h"
 #include "stereo/gpu/pass.h"
+#include "stereo/gpu/upload_buffer.h"
 #include "stereo/image/image.h"
 
 namespace farshade {
@@ -28,7 +29,7 @@ class TimewarpPass {
   /// `shown` has one layer per eye, format rgba8 UNORM, usage storage and transfer source, and layout
   /// General. Keeps the reference. No side of a loaded picture is larger than that of `largest`, which is at
   /// least the size of `shown`.
-  TimewarpPass(const gpu::Device& device, const gpu::Image& shown, Extent largest);
+  TimewarpPass(gpu::FramesInFlight& frames, const gpu::Image& shown, Extent largest);
 
   /// Loads an sRGB picture. Both eyes have one size, which need not be that of `shown`.
   void load(const PerEye<Image<Rgb8>>& picture);

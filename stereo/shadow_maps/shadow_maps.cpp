@@ -57,30 +57,31 @@ ShadowMaps::DepthLayers ShadowMaps::make_layers(const gpu::Device& device, std::
   return result;
 }
 
-ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+ShadowMaps::ShadowMaps(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
                        const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
                        const ShadowMapSettings& settings)
     : scene_(scene),
       buffers_(buffers),
       settings_(settings),
       layers_(checked_layers(scene, settings)),
-      maps_(make_layers(device, layers_.count, settings.side_px, map_usage(layers_), "shadow maps")),
-      map_data_(gpu::make_upload_buffer(device, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
+      maps_(make_layers(frames.device(), layers_.count, settings.side_px, map_usage(layers_), "shadow maps")),
+      map_data_(gpu::make_upload_buffer(frames, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
                                         vk::BufferUsageFlagBits::eUniformBuffer, "shadow map views",
                                         gpu::Use::ShadowMaps)),
-      nearest_(device.logical.createSampler({})),
-      bindings_(gpu::make_bindings(device, kMapSet, "shadow maps")),
-      pass_(device, scene, plan, buffers, frame, Outputs::Casters, layers_.count / 2),
+      nearest_(frames.device().logical.createSampler({})),
+      bindings_(gpu::make_bindings(frames.device(), kMapSet, "shadow maps")),
+      pass_(frames, scene, plan, buffers, frame, Outputs::Casters, layers_.count / 2),
       updates_(casters_of(scene, buffers), can_keep(layers_), settings) {
   if (layers_.kept > 0)
-    kept_ = make_layers(device, layers_.kept, settings.side_px,
+    kept_ = make_layers(frames.device(), layers_.kept, settings.side_px,
                         kDepthTarget | vk::ImageUsageFlagBits::eTransferSrc, "kept shadow depth");
-  gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
+  gpu::run_now(frames.device(), [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, maps_.image, Layout::eUndefined, Layout::eShaderReadOnlyOptimal);
     if (kept_) gpu::transition(commands, kept_->image, Layout::eUndefined, Layout::eTransferSrcOptimal);
   });
-  gpu::bind_image(device, bindings_, 0, {*maps_.image.view, Layout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_buffer(device, bindings_, 1, map_data_.buffer());
+  gpu::bind_image(frames.device(), bindings_, 0,
+                  {*maps_.image.view, Layout::eShaderReadOnlyOptimal, *nearest_});
+  gpu::bind_buffer(frames.device(), bindings_, 1, map_data_.buffer());
 }
 
 /// Corners that do not change are found once.

@@ -19,8 +19,8 @@ class ShadowMaps {
  public:
   /// Keeps the references. `frame` holds a FrameData. shadow_map_bytes must succeed for `scene` and
   /// `settings`. Throws when the device runs out of memory.
-  ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-             const gpu::UploadBuffer& frame, const ShadowMapSettings& settings);
+  ShadowMaps(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
+             const SceneBuffers& buffers, const gpu::UploadBuffer& frame, const ShadowMapSettings& settings);
 
   /// Prepares a frame with the shown views and the scene's state. `record` must follow.
   void prepare(const StereoView& shown, const SceneState& state);

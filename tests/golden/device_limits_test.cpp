@@ -52,69 +52,6 @@ TEST_F(DeviceLimits, ListsOfPixelsFormRows) {
   expect_same_bits(hard_pictures(device_), in_one_row);
 }
 
-/// A frame with shadow maps, a picture turned and a difference added to another, a mask reprojected to a
-/// request, hidden pixels, and a G-buffer that came from another renderer.
-std::vector<PerEye<Image<Rgb8>>> other_pictures(const gpu::Device& device) {
-  constexpr std::uint32_t kSide_px = 128;
-  const Scene scene = bundled("room.glb");
-  const Rigid<Stage, Head> head = head_at_camera(scene);
-  const StereoView views = eyes_of(head, kSide_px), turned = eyes_of(moved(head, 0.1, {0, 0, 0}), kSide_px);
-  const SceneState state = state_at(scene, Time(700ms));
-  const RendererLimits limits{.size = {kSide_px, kSide_px}, .traced_size = {160, 160}, .depth_frames = 2};
-  const std::unique_ptr<Renderer> owner = make_renderer(device, scene, limits);
-  Renderer& renderer = *owner;
-  std::vector<PerEye<Image<Rgb8>>> pictures;
-  const auto keep = [&] { pictures.push_back(renderer.read_shown()); };
-  const ShadowMapSettings settings{.side_px = 256};
-  const PerEye<HiddenArea> hidden{HiddenArea{{{-0.5f, -0.5f}, {0.1f, -0.5f}, {-0.5f, 0.1f}}},
-                                  HiddenArea{{{0.5f, 0.5f}, {-0.1f, 0.5f}, {0.5f, -0.1f}}}};
-  ShownFrame frame{.views = views,
-                   .state = state,
-                   .masks = {},
-                   .reprojection = {},
-                   .shadow_maps = &settings,
-                   .hidden = &hidden};
-  renderer.draw(frame);
-  keep();
-  const PerEye<Image<Rgb8>> loaded = pictures[0];
-  renderer.timewarp_shown(views, turned);
-  keep();
-  renderer.show_timewarped(loaded, views, turned);
-  keep();
-  renderer.draw_with_difference(frame, loaded, turned);
-  keep();
-  GBufferPlanes planes;
-  renderer.read_gbuffer(planes);
-  frame.shadow_maps = nullptr;
-  frame.hidden = nullptr;
-  renderer.draw_received(planes, frame);
-  keep();
-  return pictures;
-}
-
-RequestReprojection reprojected(const gpu::Device& device) {
-  TestRig rig(device, bundled("room.glb"), 128);
-  const Mask base = rig.ask(kTraced, rig.eyes(rig.head()));
-  return rig.reproject_to_request(kNow, rig.eyes(moved(rig.head(), 0.05, {0.02, 0, 0})), base).value();
-}
-
-TEST_F(DeviceLimits, StagedUploadsGiveTheSamePictures) {
-  device_.uploads = gpu::Uploads::Direct;
-  const std::vector<Shown> hard = hard_pictures(device_);
-  const auto others = other_pictures(device_);
-  const RequestReprojection direct = reprojected(device_);
-  EXPECT_EQ(device_.ledger->read().peak[gpu::Use::Uploads], 0u);
-  device_.uploads = gpu::Uploads::Staged;
-  expect_same_bits(hard_pictures(device_), hard);
-  EXPECT_TRUE(other_pictures(device_) == others);
-  const RequestReprojection staged = reprojected(device_);
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    EXPECT_EQ(staged.masks[eye], direct.masks[eye]);
-    EXPECT_EQ(staged.covered[eye], direct.covered[eye]);
-  }
-  EXPECT_GT(device_.ledger->read().peak[gpu::Use::Uploads], 100'000u);
-}
-
 /// Why something is refused; empty if it is not.
 template <class Act>
 std::string refusal_of(const Act& act) {

@@ -53,10 +53,8 @@ OnLavapipe::OnLavapipe()
       max_image_layers_(device_.max_image_layers),
       max_groups_(device_.max_groups),
       max_storage_bytes_(device_.max_storage_bytes),
-      image_limits_(device_.image_limits),
-      uploads_(device_.uploads) {
+      image_limits_(device_.image_limits) {
   device_.ledger = std::make_shared<gpu::Ledger>();
-  if (std::getenv("FARSHADE_STAGED_UPLOADS") != nullptr) device_.uploads = gpu::Uploads::Staged;
 }
 
 OnLavapipe::~OnLavapipe() {
@@ -67,7 +65,6 @@ OnLavapipe::~OnLavapipe() {
   device_.max_groups = max_groups_;
   device_.max_storage_bytes = max_storage_bytes_;
   device_.image_limits = image_limits_;
-  device_.uploads = uploads_;
   device_.pipelines = nullptr;
   const std::vector<std::string> messages = device_.validation_log->messages();
   for (std::size_t i = earlier_messages_; i < messages.size(); ++i) ADD_FAILURE() << messages[i];

@@ -32,7 +32,6 @@ class OnLavapipe : public testing::Test {
   std::array<std::uint32_t, 2> max_groups_;
   std::uint64_t max_storage_bytes_;
   std::function<decltype(gpu::image_limits)> image_limits_;
-  gpu::Uploads uploads_;
 };
 
 /// A bundled scene. Throws if it cannot be loaded.

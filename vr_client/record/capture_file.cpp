@@ -118,13 +118,14 @@ struct PicturesRecord {
 // lookup.
 
 bool fields(auto& io, Either<CaptureHeader> auto& header) {
-  auto& [size, traced_size, depth_frames] = header.limits;
+  auto& limits = header.limits;  // but for `frames`: a replay waits for each frame
   auto& policy = header.policy;
   return text_field(io, header.scene) && io.array(header.scene_hash) && io.u16(header.lights) &&
-         io.code(header.origin) && fields(io, size) && fields(io, traced_size) && io.u32(depth_frames) &&
-         io.f64(header.detail_px) && io.u32(header.requests) && io.f64(header.refresh_hz) &&
-         fields(io, header.exposure) && io.code(policy.pace) && io.ns(policy.delay) &&
-         io.ns(policy.round_trip) && io.ns(policy.mask_wait) && text_field(io, header.device);
+         io.code(header.origin) && fields(io, limits.size) && fields(io, limits.traced_size) &&
+         io.u32(limits.depth_frames) && io.f64(header.detail_px) && io.u32(header.requests) &&
+         io.f64(header.refresh_hz) && fields(io, header.exposure) && io.code(policy.pace) &&
+         io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
+         text_field(io, header.device);
 }
 
 bool fields(auto& io, Either<CapturedFrameInput> auto& input) {

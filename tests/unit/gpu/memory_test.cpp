@@ -1,6 +1,6 @@
 /// Which memory buffers get, on a GPU that lavapipe stands for: with memory of its own, of which the host
 /// sees a small part.
-#include "stereo/gpu/memory.h"
+#include "stereo/gpu/upload_buffer.h"
 
 #include <gtest/gtest.h>
 
@@ -32,14 +32,6 @@ vk::PhysicalDeviceMemoryProperties memory_of(const std::vector<Heap>& heaps) {
 
 const std::vector<Heap> kSmallBar{{8192, {kLocal}}, {16384, {kHost}}, {256, {kLocal | kHost}}};
 enum Type : std::uint32_t { kOwn, kHosts, kBar };
-
-TEST(Uploads, AreDirectWhereTheHostSeesMostOfTheDevicesMemory) {
-  EXPECT_EQ(uploads_for(memory_of({{16384, {kLocal | kHost}}})), Uploads::Direct) << "integrated, lavapipe";
-  EXPECT_EQ(uploads_for(memory_of({{8192, {kLocal, kLocal | kHost}}, {16384, {kHost}}})), Uploads::Direct)
-      << "resizable BAR";
-  EXPECT_EQ(uploads_for(memory_of(kSmallBar)), Uploads::Staged);
-  EXPECT_EQ(uploads_for(memory_of({{8192, {kLocal}}, {16384, {kHost}}})), Uploads::Staged) << "none";
-}
 
 /// Every type of memory is lavapipe's only one, but some have none left.
 class FakeTypes {
@@ -81,32 +73,24 @@ class SmallBar : public testing::Test {
     if (!opened) GTEST_SKIP() << opened.error().what;
     device_ = std::move(*opened);
     device_.memory = memory_of(kSmallBar);
-    device_.uploads = uploads_for(device_.memory);
+    frames_.emplace(device_, 2);
     types_.emplace(device_);
   }
-  [[nodiscard]] UploadBuffer upload_buffer() const {
-    return make_upload_buffer(device_, 4000, vk::BufferUsageFlagBits::eTransferSrc, "upload");
+  [[nodiscard]] UploadBuffer upload_buffer() {
+    return make_upload_buffer(*frames_, 4000, vk::BufferUsageFlagBits::eTransferSrc, "upload");
   }
   using Types = std::vector<std::uint32_t>;
 
   Device device_;
+  std::optional<FramesInFlight> frames_;
   std::optional<FakeTypes> types_;
 };
 
-TEST_F(SmallBar, UploadsAreStagedAndShadersReadTheDevicesMemory) {
-  const UploadBuffer upload = upload_buffer();
+TEST_F(SmallBar, ShadersReadTheDevicesMemoryAndTheHostWritesItsOwn) {
+  UploadBuffer upload = upload_buffer();
+  EXPECT_EQ(FakeTypes::asked, (Types{kOwn}));
+  upload.write(0, 1);
   EXPECT_EQ(FakeTypes::asked, (Types{kOwn, kHosts}));
-  EXPECT_EQ(device_.ledger->read().now[Use::Uploads], device_.ledger->read().now[Use::Other]);
-}
-
-TEST_F(SmallBar, ADirectUploadIsStagedWhereTheBarIsFull) {
-  device_.uploads = Uploads::Direct;
-  const UploadBuffer direct = upload_buffer();
-  EXPECT_EQ(FakeTypes::asked, (Types{kBar}));
-  FakeTypes::asked.clear();
-  FakeTypes::full = {kBar};
-  const UploadBuffer staged = upload_buffer();
-  EXPECT_EQ(FakeTypes::asked, (Types{kBar, kOwn, kHosts}));
 }
 
 TEST_F(SmallBar, AFullTypeIsFollowedByTheNext) {
@@ -128,30 +112,6 @@ TEST_F(SmallBar, TypesThatNeedAFeatureAreLeftOut) {
   device_.memory = memory_of({{8192, {kLocal | Property::eDeviceCoherentAMD, kLocal}}, {16384, {kHost}}});
   (void)make_device_buffer(device_, 4000, vk::BufferUsageFlagBits::eTransferDst, "buffer");
   EXPECT_EQ(FakeTypes::asked, (Types{1}));
-}
-
-TEST_F(SmallBar, OnlyWhatWasWrittenSinceIsCopied) {
-  UploadBuffer upload = upload_buffer();
-  const ReadbackBuffer back =
-      make_readback_buffer(device_, 16'000, vk::BufferUsageFlagBits::eTransferDst, "back");
-  const auto words_after = [&](std::size_t first, std::uint32_t word) {
-    upload.view<std::uint32_t>(first, 10).fill(word);
-    run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-      record_uploads(commands, {&upload});
-      commands.copyBuffer(*upload.buffer().buffer, *back.buffer, vk::BufferCopy{.size = 4000});
-      show_copies_to_host(commands);
-    });
-    const auto words = back.as<std::uint32_t>().first(1000);
-    return std::vector<std::uint32_t>(words.begin(), words.end());
-  };
-  upload.view<std::uint32_t>().fill(1);
-  std::vector<std::uint32_t> expected(1000, 1);
-  std::fill_n(expected.begin() + 990, 10, 2u);
-  EXPECT_EQ(words_after(990, 2), expected);
-  std::fill_n(expected.begin(), 10, 3u);
-  EXPECT_EQ(words_after(0, 3), expected);
-  std::fill_n(expected.begin() + 500, 10, 4u);
-  EXPECT_EQ(words_after(500, 4), expected);
 }
 
 }  // namespace
