@@ -157,17 +157,29 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   return client;
 }
 
-void open_renderer(Client& client, const RendererLimits& limits) {
+namespace {
+
+/// Where the processor draws, it has no time left for another frame, and the picture would come later.
+std::uint32_t frames_in_flight(const Options& options, const gpu::Device& device) {
+  if (options.frames_in_flight) return *options.frames_in_flight;
+  return options.pace == Pace::Real && !device.is_cpu ? 2 : 1;
+}
+
+}  // namespace
+
+void open_renderer(const Options& options, Client& client, const RendererLimits& limits) {
   client.levels = levels_for(client.scene, client.plan);
   client.limits = limits;
-  client.renderer = make_renderer(client.device, client.scene, client.plan.draw, limits, client.levels);
+  client.limits.frames = frames_in_flight(options, client.device);
+  client.renderer =
+      make_renderer(client.device, client.scene, client.plan.draw, client.limits, client.levels);
 }
 
 Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m) {
   if (auto fit = check_mode(options.mode, client.scene); !fit) return fit;
   client.renderer.reset();  // first, so that the memory of one renderer is enough
   client.plan.draw = plan_for(client.scene, needs_of(options, eye_distance_m)).draw;
-  open_renderer(client, renderer_limits(options));
+  open_renderer(options, client, renderer_limits(options));
   return {};
 }
 
@@ -191,7 +203,7 @@ Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
 Expected<void> open_drawing(const Options& options, Mode mode, Client& client, const RendererLimits& limits,
                             Stages& stages, const std::function<void()>& compile) {
   auto tracing = std::async(std::launch::async, [&] { return open_tracers(options, mode, client); });
-  open_renderer(client, limits);
+  open_renderer(options, client, limits);
   stages.end("renderer");
   compile();
   stages.end("pipelines");

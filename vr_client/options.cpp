@@ -176,6 +176,11 @@ void add_request_options(CLI::App& app, CommandLine& line) {
   app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request until its masks are used")
       ->check(within(0, 500))
       ->capture_default_str();
+  app.add_option("--frames-in-flight", options.frames_in_flight,
+                 "frames that the GPU and the client work on at one time, the new one included (default: 2; "
+                 "1 with the "
+                 "virtual clock and where the CPU draws)")
+      ->check(within(1, 3));
   add_words(app, "--predictor", options.request.predictor, predictors(),
             "how the client predicts the head pose at which masks will be used; hold: no prediction");
   add_words<GuardBandUse>(app, "--guard-band", options.request.guard_band,
@@ -285,14 +290,37 @@ void check_fetch(const Options& options) {
 }
 
 /// A replay takes these options from its capture, or does not need them.
-constexpr std::array kNotInReplay{"--trace-scale",  "--trace-axes",  "--trace-units", "--trace-quaternion",
-                                  "--place",        "--stand",       "--size",        "--detail-px",
-                                  "--frames",       "--skip",        "--refresh",     "--server",
-                                  "--key",          "--insecure",    "--net",         "--mode",
-                                  "--bitrate",      "--shadow-maps", "--clock",       "--delay",
-                                  "--predictor",    "--guard-band",  "--ask",         "--mask-every",
-                                  "--reprojection", "--edges",       "--xr",          "--xr-scale",
-                                  "--record-head",  "--mask-code"};
+constexpr std::array kNotInReplay{"--trace-scale",
+                                  "--trace-axes",
+                                  "--trace-units",
+                                  "--trace-quaternion",
+                                  "--place",
+                                  "--stand",
+                                  "--size",
+                                  "--detail-px",
+                                  "--frames",
+                                  "--skip",
+                                  "--refresh",
+                                  "--server",
+                                  "--key",
+                                  "--insecure",
+                                  "--net",
+                                  "--mode",
+                                  "--bitrate",
+                                  "--shadow-maps",
+                                  "--clock",
+                                  "--delay",
+                                  "--predictor",
+                                  "--guard-band",
+                                  "--ask",
+                                  "--mask-every",
+                                  "--reprojection",
+                                  "--edges",
+                                  "--xr",
+                                  "--xr-scale",
+                                  "--record-head",
+                                  "--mask-code",
+                                  "--frames-in-flight"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{

@@ -60,6 +60,7 @@ struct Options {
   ModeSettings mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20;
+  std::optional<std::uint32_t> frames_in_flight;  ///< RendererLimits::frames
   RequestSettings request;
   Reprojection reprojection;
   std::uint32_t reference_every = 1;  ///< 0 = never

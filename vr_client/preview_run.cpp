@@ -230,6 +230,7 @@ class Preview {
   /// Inspects, records and shows a frame that was drawn. Holds it if the viewer wishes.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
+    if (view.finished) runtime_.learn_ready(view.times.ready);
     shown_.begin();
     show(view);
     Inspection& inspection = shown_.inspection();

@@ -268,6 +268,7 @@ DrawTimes VulkanRenderer::finish() {
   DrawTimes times = std::exchange(now(), {}).times;
   times.total = of_host.total;
   times.triangles = of_host.triangles;
+  times.frames_ago = narrow<std::uint32_t>(frames_.count()) - 1;
   return times;
 }
 

@@ -45,6 +45,12 @@ struct DrawTimes {
   /// Wall time of the calls that draw pictures, submit and finish: recording, uploads, submission, waits.
   Duration total{};
   DrawnTriangles triangles{};
+  /// The times on the device are those of the frame so many frames before this one.
+  std::uint32_t frames_ago = 0;
+
+  [[nodiscard]] Duration on_device() const {
+    return gbuffer + depth + shade + maps + request_reprojection + timewarp;
+  }
 };
 
 /// What the G-buffer has of one pixel.
@@ -170,7 +176,7 @@ class Renderer {
 
   /// Ends the frame: submits what is left, and waits until the device has finished the oldest frame, so that
   /// another one can begin. Returns the times of that frame on the device, and `total` and `triangles` of the
-  /// one that ends: with RendererLimits::frames = 1 they are the same frame.
+  /// one that ends.
   virtual DrawTimes finish() = 0;
 
   /// Forgets the times of what was recorded since the last `finish`, and waits for it.

@@ -49,8 +49,8 @@ HostMemory FramesInFlight::take(std::size_t bytes) {
   auto with_room = std::ranges::find_if(
       chunks, [&](const Chunk& chunk) { return chunk.buffer->bytes - chunk.used >= rounded; });
   if (with_room == chunks.end())  // at least doubles the memory, so that there are few chunks
-    with_room = chunks.insert(chunks.end(),
-                              make_chunk(std::max({rounded, kChunk_bytes, bytes_of(frames_[place_])})));
+    with_room =
+        chunks.insert(chunks.end(), make_chunk(std::max({rounded, kChunk_bytes, bytes_of(frames_[place_])})));
   return {with_room->buffer, std::exchange(with_room->used, with_room->used + rounded), bytes};
 }
 

@@ -55,7 +55,8 @@ class Flight {
       planes_.base_color[eye] = PixelPlane(kFlightSize, 3);
       planes_.normal[eye] = PixelPlane(kFlightSize, 4);
       planes_.depth[eye] = PixelPlane(kFlightSize, 4);
-      for (std::uint32_t& word : planes_.base_color[eye].words) word = narrow<std::uint32_t>(random() & 0xffffff);
+      for (std::uint32_t& word : planes_.base_color[eye].words)
+        word = narrow<std::uint32_t>(random() & 0xffffff);
       for (std::uint32_t& word : planes_.normal[eye].words) word = narrow<std::uint32_t>(random());
       std::ranges::fill(planes_.depth[eye].words, std::bit_cast<std::uint32_t>(0.06f));
       turned_[eye] = Image<Rgb8>(kFlightSize, Rgb8(10, 200, 90));

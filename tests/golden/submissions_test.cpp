@@ -41,11 +41,11 @@ class CountedFrames final : public Runtime {
     EXPECT_EQ(now.submissions, before_->submissions + 1) << "frame " << number_ << " is one submission";
     EXPECT_EQ(now.waits, before_->waits) << "nothing waits inside of it";
   }
-  /// At the end of a frame.
-  void expect_one_wait() const {
+  /// At the end of a frame it waits for the oldest of `frames` in flight.
+  void expect_one_wait(int frames) const {
     const Calls now(device_);
     EXPECT_EQ(now.submissions, before_->submissions + 1);
-    EXPECT_EQ(now.waits, before_->waits + 1);
+    EXPECT_EQ(now.waits, before_->waits + (number_ < frames ? 0 : 1));
   }
   [[nodiscard]] int outputs() const { return outputs_; }
 
@@ -56,29 +56,46 @@ class CountedFrames final : public Runtime {
   int number_ = 0, outputs_ = 0;
 };
 
-class SubmissionsOfModes : public OnLavapipe, public testing::WithParamInterface<Mode> {};
+class SubmissionsOfModes : public OnLavapipe,
+                           public testing::WithParamInterface<std::tuple<Mode, std::uint32_t>> {};
 
 TEST_P(SubmissionsOfModes, AFrameWithoutAServerIsOneAndEndsWithOneWait) {
   const Scene scene = bundled("room.glb");
   const Extent size{kSubmissionSide_px, kSubmissionSide_px};
-  const std::unique_ptr<Renderer> renderer = make_renderer(device_, scene, RendererLimits{size, size, 2});
+  const auto [mode, frames] = GetParam();
+  const std::unique_ptr<Renderer> renderer =
+      make_renderer(device_, scene, RendererLimits{size, size, 2, frames});
   CountedFrames runtime(device_, head_at_camera(scene));
   const FrameSettings settings;
   const RunContext context{.scene = scene,
                            .runtime = runtime,
                            .renderer = *renderer,
-                           .mode = {.mode = GetParam()},
+                           .mode = {.mode = mode},
                            .settings = settings,
                            .policy = {.pace = Pace::Real}};
   draw_ahead(context, {});  // makes what is made at first use
   ASSERT_TRUE(run(
-      context, *make_pipeline(context), [&](const FrameView&) { runtime.expect_one_wait(); },
+      context, *make_pipeline(context),
+      [&, ago = frames - 1](const FrameView& view) {
+        runtime.expect_one_wait(static_cast<int>(ago) + 1);
+        ASSERT_EQ(view.finished.has_value(), view.shown.frame.value > ago);
+        if (!view.finished) return;
+        EXPECT_EQ(view.finished->frame.value + ago, view.shown.frame.value);
+        EXPECT_GT(view.finished->ready, view.finished->begun);
+        EXPECT_LE(view.finished->ready, view.starts.end);
+        EXPECT_EQ(view.times.ready, view.finished->ready - view.finished->begun);
+      },
       [] { return false; }));
   EXPECT_EQ(runtime.outputs(), kFrames);
 }
 
-INSTANTIATE_TEST_SUITE_P(ThatDraw, SubmissionsOfModes, testing::Values(Mode::Hybrid, Mode::Local, Mode::Full),
-                         [](const auto& mode) { return std::string(name_of(mode.param)); });
+INSTANTIATE_TEST_SUITE_P(ThatDraw, SubmissionsOfModes,
+                         testing::Combine(testing::Values(Mode::Hybrid, Mode::Local, Mode::Full),
+                                          testing::Values(1u, 2u, 3u)),
+                         [](const auto& each) {
+                           return std::string(name_of(std::get<0>(each.param))) +
+                                  std::to_string(std::get<1>(each.param));
+                         });
 
 class Submissions : public OnLavapipe {
  protected:

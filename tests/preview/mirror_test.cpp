@@ -73,7 +73,7 @@ class MirrorTest : public testing::Test {
     client_ = value_of(open_client(options_, needs_of(options_, 0.063), stages));
     if (const auto traces = open_tracers(options_, Mode::Full, *client_); !traces)
       throw std::runtime_error(traces.error().what);
-    open_renderer(*client_, renderer_limits(options_));
+    open_renderer(options_, *client_, renderer_limits(options_));
     controls_ = headset_controls(options_, PixelReport::Off);
     controls_.panel = false;
     controls_.settings.scene = SceneClock::Paused;

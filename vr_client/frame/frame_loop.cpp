@@ -1,5 +1,7 @@
 #include "vr_client/frame/frame_loop.h"
 
+#include <deque>
+
 namespace farshade {
 namespace {
 
@@ -34,6 +36,32 @@ class TrafficMeter {
   LinkTraffic last_;
 };
 
+/// The frames that were shown last, until the device has finished them.
+class FramesUnderWay {
+ public:
+  /// A frame has ended with these times.
+  std::optional<FinishedPicture> end(FrameId frame, const StageStarts& starts, const DrawTimes& drawn) {
+    frames_.push_back({frame, starts});
+    if (frames_.size() <= drawn.frames_ago) return std::nullopt;
+    const Begun oldest = frames_.front();
+    frames_.pop_front();
+    // Nothing has waited for a frame in flight when it ended. The device begins it when it is submitted, or
+    // when the frame before it is done.
+    ready_ = drawn.frames_ago == 0
+                 ? starts.end
+                 : std::min(std::max(oldest.starts.submitted, ready_) + drawn.on_device(), starts.end);
+    return FinishedPicture{oldest.frame, oldest.starts.request, ready_};
+  }
+
+ private:
+  struct Begun {
+    FrameId frame;
+    StageStarts starts;
+  };
+  std::deque<Begun> frames_;
+  Time ready_{};  ///< the last picture
+};
+
 Exposure exposure_of(const RunContext& context) {
   const auto told = context.link ? context.link->receiver().exposure() : std::nullopt;
   return told.value_or(context.exposure);
@@ -44,7 +72,7 @@ Exposure exposure_of(const RunContext& context) {
 namespace {
 
 /// Hands a recorded frame to the device and the display, sends its request if that waits for the device, and
-/// waits for both. Returns the times of what the device did.
+/// waits for the oldest frame in flight. Returns the times of what the device did.
 DrawTimes finish_frame(const RunContext& context, ModePipeline& pipeline, const FrameInputs& inputs,
                        std::optional<FrameRequest>& request, StageStarts& starts) {
   context.runtime.add_output([&](const gpu::Recording& record) { context.renderer.append(record); });
@@ -61,12 +89,14 @@ DrawTimes finish_frame(const RunContext& context, ModePipeline& pipeline, const 
 }
 
 /// What the client worked in a frame, apart from what the device did in `drawn`.
-StageTimes stage_times(const DrawTimes& drawn, const StageStarts& starts, Duration collect) {
+StageTimes stage_times(const DrawTimes& drawn, const StageStarts& starts, Duration collect,
+                       const std::optional<FinishedPicture>& finished) {
   StageTimes times{drawn};
   times.request = starts.collect - starts.request;
   if (starts.requested_late) times.request += *starts.requested_late - starts.submitted;
   times.collect = collect;
   times.frame = times.request + times.collect + times.total;
+  if (finished) times.ready = finished->ready - finished->begun;
   return times;
 }
 
@@ -78,6 +108,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
   FrameId frame;
   SceneTime scene_time;
   TrafficMeter traffic(context.link);
+  FramesUnderWay under_way;
   while (!stop()) {
     const std::optional<FrameTiming> timing = context.runtime.wait_frame();
     if (!timing) break;
@@ -102,9 +133,11 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     starts.draw = clock.now();
     const DrawnFrame drawn_frame = pipeline.draw(inputs);
     const DrawTimes drawn = finish_frame(context, pipeline, inputs, request, starts);
+    const std::optional<FinishedPicture> finished = under_way.end(frame, starts, drawn);
     const StageTimes times = stage_times(
         drawn, starts,
-        context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect);
+        context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect,
+        finished);
     watch({.shown = shown,
            .request = request ? &*request : nullptr,
            .state = state,
@@ -121,7 +154,8 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
            .cube_mask = drawn_frame.cube_mask,
            .cube_mask_cost = drawn_frame.cube_mask_cost,
            .silent_since = context.link ? context.link->silent_since() : std::nullopt,
-           .traffic = traffic.since_last()});
+           .traffic = traffic.since_last(),
+           .finished = finished});
   }
   return {};
 }

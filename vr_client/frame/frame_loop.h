@@ -24,6 +24,13 @@ struct StageTimes : DrawTimes {
   Duration request{};  ///< locate views, animate the scene, predict, send
   Duration collect{};  ///< decode answers; in mode full: trace
   Duration frame{};    ///< request + collect + draw (total)
+  Duration ready{};    ///< FinishedPicture: from its beginning until it was ready; 0 if there is none
+};
+
+/// The newest picture that the device has finished: with frames in flight, that of an earlier frame.
+struct FinishedPicture {
+  FrameId frame;
+  Time begun{}, ready{};
 };
 
 /// When the stages of a frame began, on the clock of the run.
@@ -50,8 +57,9 @@ struct FrameView {
   PerEye<double> black{};  ///< the share of each eye that the server's picture does not cover
   std::span<const TracedMask> cube_mask{};  ///< the masks of the cube's faces it was drawn with
   CubeMaskCost cube_mask_cost{};
-  std::optional<Time> silent_since{};    ///< ServerConnection::silent_since
-  std::optional<LinkTraffic> traffic{};  ///< since the frame before was shown, or since the run began
+  std::optional<Time> silent_since{};         ///< ServerConnection::silent_since
+  std::optional<LinkTraffic> traffic{};       ///< since the frame before was shown, or since the run began
+  std::optional<FinishedPicture> finished{};  ///< whose times on the device `times` has
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 

@@ -11,17 +11,15 @@ namespace farshade {
 
 FramePacer::FramePacer(double refresh_hz) : period_ns_(1e9 / refresh_hz) {
   check(std::isfinite(refresh_hz) && refresh_hz > 0, "the refresh rate is finite and above 0");
-  // The first frame is often slow. With 15 frame times of 0 beside it, it does not change the pace.
-  frame_times_ns_.fill(0.0);
 }
 
-void FramePacer::learn(Duration frame_time) {
-  frame_times_ns_[oldest_] = static_cast<double>(frame_time.count());
+void FramePacer::Periods::learn(Duration time, double period_ns) {
+  times_ns_[oldest_] = static_cast<double>(time.count());
   oldest_ = (oldest_ + 1) % kRemembered;
-  const double typical = quantile({frame_times_ns_.begin(), frame_times_ns_.end()}, kQuantile) / period_ns_;
+  const double typical = quantile({times_ns_.begin(), times_ns_.end()}, kQuantile) / period_ns;
   const auto fits = static_cast<std::uint32_t>(std::max(1.0, std::ceil(typical)));
   const auto fits_with_room = static_cast<std::uint32_t>(std::max(1.0, std::ceil(typical / kRoom)));
-  periods_ = std::clamp(periods_, fits, fits_with_room);
+  count_ = std::clamp(count_, fits, fits_with_room);
 }
 
 Time FramePacer::next_begin(Time now) const {
@@ -30,8 +28,10 @@ Time FramePacer::next_begin(Time now) const {
 
 FrameTiming FramePacer::begin(Time now) {
   if (!grid_) grid_ = now;
-  shown_at_ = tick_to_begin_at(now) + periods_;
-  return {*grid_ + after(shown_at_), after(periods_)};
+  const std::int64_t begin = tick_to_begin_at(now);
+  next_ = begin + between_.count();
+  shown_at_ = begin + lead();
+  return {*grid_ + after(shown_at_), after(between_.count())};
 }
 
 Duration FramePacer::after(std::int64_t ticks) const {
@@ -39,7 +39,7 @@ Duration FramePacer::after(std::int64_t ticks) const {
 }
 
 std::int64_t FramePacer::tick_to_begin_at(Time now) const {
-  return std::max<std::int64_t>(shown_at_,
+  return std::max<std::int64_t>(std::max(next_, shown_at_ + 1 - lead()),
                                 std::llround(static_cast<double>((now - *grid_).count()) / period_ns_));
 }
 

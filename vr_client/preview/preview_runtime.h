@@ -18,24 +18,27 @@ namespace farshade {
 enum class HeadSource : std::uint8_t { Simulated, Recording };
 
 /// Chooses the display time of each frame on the grid of the display's refreshes. A frame begins
-/// on a grid point and is shown n points later; the next frame begins when it is shown. n follows the
-/// measured frame times, as headset runtimes throttle an application to a half or a third of the refresh
-/// rate. So predictors see the true frame interval.
+/// on a grid point, the next frame begins n points later, and the frame is shown m >= n points after it
+/// began. n follows the measured frame times, as headset runtimes throttle an application to a half or a
+/// third of the refresh rate. So predictors see the true frame interval. m follows the times until the
+/// picture is ready: it is above n if frames are in flight.
 class FramePacer {
  public:
   /// n rises if this quantile of the last kRemembered frame times exceeds n display periods, so that one late
-  /// frame in five does not change it. n falls to m if the quantile is below kRoom * m periods.
+  /// frame in five does not change it. It falls to k if the quantile is below kRoom * k periods. So does m.
   static constexpr std::size_t kRemembered = 16;
   static constexpr double kQuantile = 0.75, kRoom = 0.9;
 
-  /// `refresh_hz` > 0. Starts with n = 1.
+  /// `refresh_hz` > 0. Starts with n = m = 1.
   explicit FramePacer(double refresh_hz);
 
   /// Adds the frame time of the last frame.
-  void learn(Duration frame_time);
+  void learn(Duration frame_time) { between_.learn(frame_time, period_ns_); }
+  /// Adds the time from the beginning of a frame until its picture was ready.
+  void learn_ready(Duration after) { until_shown_.learn(after, period_ns_); }
 
-  /// When the next frame should begin. The first frame begins at `now`. Later frames begin when the last one
-  /// is shown or, if that is more than half a period ago, at the nearest grid point. The result may lie up to
+  /// When the next frame should begin. The first frame begins at `now`. Later frames begin n points after the
+  /// last one or, if that is more than half a period ago, at the nearest grid point. The result may lie up to
   /// half a period before `now`.
   [[nodiscard]] Time next_begin(Time now) const;
 
@@ -45,12 +48,26 @@ class FramePacer {
  private:
   [[nodiscard]] Duration after(std::int64_t ticks) const;
   [[nodiscard]] std::int64_t tick_to_begin_at(Time now) const;
+  /// Display periods from the beginning of a frame until it is shown.
+  [[nodiscard]] std::int64_t lead() const { return std::max(between_.count(), until_shown_.count()); }
+
+  /// Display periods that a time takes.
+  class Periods {
+   public:
+    void learn(Duration time, double period_ns);
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+
+   private:
+    std::uint32_t count_ = 1;
+    std::array<double, kRemembered>
+        times_ns_{};  ///< 0 at first: one slow frame at the beginning changes nothing
+    std::size_t oldest_ = 0;
+  };
 
   double period_ns_;
-  std::uint32_t periods_ = 1;
-  std::array<double, kRemembered> frame_times_ns_;
-  std::size_t oldest_ = 0;
+  Periods between_, until_shown_;
   std::optional<Time> grid_;   ///< grid point 0: when the first frame began
+  std::int64_t next_ = 0;      ///< grid point at which the next frame begins, unless it is late
   std::int64_t shown_at_ = 0;  ///< grid point at which the last frame is shown
 };
 
@@ -99,6 +116,8 @@ class PreviewRuntime final : public Runtime {
 
   /// The head pose at the display time of the current frame. Before the first frame: the initial pose.
   [[nodiscard]] const Rigid<Stage, Head>& stage_from_head() const { return stage_from_head_; }
+  /// Display times follow the time from the beginning of a frame until its picture was ready.
+  void learn_ready(Duration after) { pacer_.learn_ready(after); }
   /// The player of the recording, which does not advance while the head is simulated. Null without a
   /// recording.
   [[nodiscard]] Player* player() { return player_ ? &*player_ : nullptr; }

@@ -69,6 +69,8 @@ std::vector<Figure> client_figures() {
                 "Decoding what has arrived; in mode full: tracing.", kByClient),
           stage("draw", &T::total, kAll,
                 "Recording, uploads, all passes on the device and the wait for them.", kByClient),
+          stage("picture ready after", &T::ready, kAll,
+                "From the beginning of a frame until the device has finished its picture.", kByClient),
           stage("G-buffer", &T::gbuffer, kDraws, "Drawing depth, normals and materials of the shown views.",
                 kByDevice),
           stage("depth of requested views", &T::depth, kMasks,

@@ -184,8 +184,13 @@ void write_frame(const auto& shown, TraceEvents& events) {
   passes.insert(passes.end(), {{"G-buffer", shown.drawn.gbuffer},
                                {"depth", reprojects ? Duration::zero() : shown.drawn.depth},
                                {"shade", shown.drawn.shade}});
-  const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
-  events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
+  const bool in_flight = shown.drawn.frames_ago > 0;
+  if (in_flight && !shown.finished) return;
+  const Duration total = total_of(passes);
+  const Time ready = in_flight ? shown.finished->ready : draw.end;
+  const TimeSpan device{in_flight ? ready - total : std::max(draw.begin, ready - total), ready};
+  events.add_stages(passes, device, events.thread(TraceRow::Device, device),
+                    in_flight ? shown.finished->frame : shown.frame);
 }
 
 void write_request(const auto& request, TraceEvents& events) {
@@ -225,7 +230,8 @@ TimeSpan place_work(Time sent, Time first, Duration work) {
 }
 
 void Timeline::add(const FrameView& view, const FrameReceiver* receiver) {
-  frames_.push_back({.frame = view.shown.frame, .starts = view.starts, .drawn = view.times});
+  frames_.push_back(
+      {.frame = view.shown.frame, .starts = view.starts, .drawn = view.times, .finished = view.finished});
   if (receiver == nullptr) return;
   // Frame ids restart with each session: earlier requests are complete when a new session begins.
   if (frames_.size() > 1 && !is_newer(view.shown.frame, frames_[frames_.size() - 2].frame))

@@ -49,6 +49,7 @@ class Timeline {
     FrameId frame;
     StageStarts starts;
     DrawTimes drawn;
+    std::optional<FinishedPicture> finished;
   };
   /// When a request was sent, and when the first slice and the report of its answer arrived.
   struct Exchange {

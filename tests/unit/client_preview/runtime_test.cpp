@@ -73,6 +73,28 @@ TEST(FramePacer, GivesSlowFramesTheWholePeriodsTheyNeed) {
   }
 }
 
+/// With two frames in flight a frame begins in each period, and its picture is ready two periods later.
+TEST(FramePacer, ShowsFramesInFlightWhenTheyAreReady) {
+  PacerBench bench;
+  FrameTiming last = bench.frame(8ms);
+  for (std::size_t i = 0; i < 40; ++i) {
+    bench.pacer.learn_ready(17ms);
+    const FrameTiming timing = bench.frame(8ms);
+    EXPECT_EQ(timing.period, kPeriod) << i;
+    EXPECT_GT(timing.display_time, last.display_time) << i;
+    if (i >= FramePacer::kRemembered) {
+      EXPECT_EQ(timing.display_time - (bench.now - 8ms), 2 * kPeriod) << i;
+    }
+    last = timing;
+  }
+  for (std::size_t i = 0; i < FramePacer::kRemembered; ++i) {
+    bench.pacer.learn_ready(7ms);
+    static_cast<void>(bench.frame(8ms));
+  }
+  const FrameTiming timing = bench.frame(8ms);
+  EXPECT_EQ(timing.display_time - (bench.now - 8ms), kPeriod) << "and falls back";
+}
+
 TEST(FramePacer, IgnoresAFewLateFrames) {
   PacerBench bench;
   for (int i = 0; i < 100; ++i) {

@@ -28,7 +28,8 @@ class Told {
   /// draw.
   void show(std::uint32_t number, Duration at, std::optional<std::uint32_t> newest_mask = std::nullopt,
             const StageTimes& times = {{.gbuffer = 1ms, .shade = 3ms, .total = 5ms}},
-            std::optional<StageStarts> late = std::nullopt) {
+            std::optional<StageStarts> late = std::nullopt,
+            const std::optional<FinishedPicture>& finished = std::nullopt) {
     const Time begin = kBegin + at;
     FrameRequest request{{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}}};
     for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kSize};
@@ -36,8 +37,9 @@ class Told {
     std::vector<TracedMask> masks;
     if (newest_mask) masks.push_back({{*newest_mask}, {}, {}, request.views, no_masks_, no_tiles_});
     const StageStarts starts = late.value_or(StageStarts{begin, begin + 1ms, begin + 3ms, begin + 8ms});
-    timeline.add({request, &request, state_, masks, nullptr, std::nullopt, times, starts, settings_, {}},
-                 &receiver_);
+    FrameView view{request, &request, state_, masks, nullptr, std::nullopt, times, starts, settings_, {}};
+    view.finished = finished;
+    timeline.add(view, &receiver_);
   }
 
   void first_slice_comes(std::uint32_t number, Duration at) {
@@ -193,6 +195,19 @@ TEST(Timeline, ShowsALateRequestBesideThePictureAndItsPassesBeforeIt) {
   EXPECT_EQ(names, (std::vector<std::string>{"depth", "carry", "G-buffer", "shade"}));
   EXPECT_EQ(passes.front().begin_us, 4000);
   EXPECT_EQ(passes.back().end_us, 8000);
+}
+
+/// With frames in flight the times on the device are those of an earlier frame.
+TEST(Timeline, ShowsThePassesOfAFrameInFlightWhereTheyWere) {
+  Told told;
+  const StageTimes times{{.gbuffer = 2ms, .shade = 4ms, .total = 1ms, .frames_ago = 1}};
+  told.show(1, 0ms, {}, times);
+  told.show(2, 10ms, {}, times, {}, FinishedPicture{{1}, kBegin, kBegin + 12ms});
+  const auto passes = events_on("vr_client device", told);
+  ASSERT_EQ(passes.size(), 2u);
+  EXPECT_EQ(passes[0].begin_us, 6000);
+  EXPECT_EQ(passes[1].end_us, 12000);
+  EXPECT_EQ(passes[1].frame, 1u);
 }
 
 TEST(Timeline, EndsThePassesOfTheDeviceWithDraw) {

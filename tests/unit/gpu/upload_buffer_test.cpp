@@ -124,7 +124,8 @@ TEST_F(UploadBuffers, AFrameInFlightIsNotDisturbed) {
     commands.wait(ends[frames_->place()]);
     fill(0, kElements, 100 + frame);
     const ReadbackBuffer& back = seen.emplace_back(make_back());
-    ends[frames_->place()] = commands.record([&](const vk::raii::CommandBuffer& into) { record(into, back); });
+    ends[frames_->place()] =
+        commands.record([&](const vk::raii::CommandBuffer& into) { record(into, back); });
     if (frame % 2 == 1) commands.submit();
     frames_->next();
   }
