@@ -8,8 +8,8 @@
 #ifdef MOTION
 #include "shaders/swept.glsl"
 
-layout(std430, binding = 14) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
-layout(std430, binding = 15) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
+layout(std430, binding = 13) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
+layout(std430, binding = 14) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
 
 mat4 motion_of(uint slot, uint mask) { return motions[((slot - 1) * FARSHADE_MAX_TRACED + mask) * 2 + shown_eye]; }
 
@@ -20,6 +20,9 @@ bool has_moved(uint since, uint slot) {
   uint first = since == FARSHADE_SINCE_CUBE_MASK ? FARSHADE_MAX_MASKS : since;
   return slot != 0u && motion_of(slot, first)[0][3] != 0.0;
 }
+
+// Whether points of the pass's pixels on an instance are moved to where they were.
+bool is_carried(uint slot) { return kPass == FARSHADE_PASS_MOVING || (kPass == FARSHADE_PASS_SINGLE && slot != 0u); }
 
 // Moves a point on an instance that can move to where it was for `mask`. Both points are in the shown eye's space.
 // Slot 0, of invocations without a listed pixel, is read as slot 1.
@@ -32,11 +35,12 @@ void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
 // The same as swept_bits. All bits of a point on an instance that has moved may have changed.
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
   uint swept = swept_bits(since, p, plane);
-  return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : swept;
+  return is_carried(slot) && has_moved(since, slot) ? ~0u : swept;
 }
 #else
 uint slot_of(uint instance) { return 0u; }
 bool has_moved(uint since, uint slot) { return false; }
+bool is_carried(uint slot) { return false; }
 void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {}
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) { return 0u; }
 #endif

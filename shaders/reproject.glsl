@@ -41,7 +41,7 @@ uint mask_of(uint source) {
 Projection project(uint mask, SourceData source, Surface surface) {
   vec4 window = source.origin_step;
   vec3 p = surface.position, n = surface.normal;
-  if (kPass == FARSHADE_PASS_MOVING) carry_back(mask, surface.slot, p, n);
+  if (is_carried(surface.slot)) carry_back(mask, surface.slot, p, n);
   p = (source.traced_from_shown * vec4(p, 1.0)).xyz;
   n = mat3(source.traced_from_shown) * n;
   float facing = dot(n, p), inverse_z = -1.0 / p.z;

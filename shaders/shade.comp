@@ -3,16 +3,17 @@
 //   I = (I_d / pi) * sum_i k_i * saturate(N . L_i) * I_i
 // Almost all pixels are easy: the newest mask knows the point, and no shadow edge is near. The first pass shades
 // these and lists the others. The second pass shades the listed pixels with all sources and filters. A third pass
-// does the same for listed pixels on instances that can move.
+// does the same for listed pixels on instances that can move. GPUs may prefer a single pass over all pixels, without
+// lists (ShadingPasses); its pictures are the same.
 // Variants: DIRECT reads the newest mask at the shown pixel, in one pass. With SHADOW_MAPS (and DIRECT) visibilities
-// come from shadow maps (shadow_lookup.glsl). EASY is the first pass; without DIRECT and EASY, the shader is the second
-// or third. FEW_LIGHTS: at most FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded with. MOTION: some
-// instances can move. Drivers remove what a constant leaves out only after they have inlined it: as a variant of the
-// preprocessor, the first pass takes lavapipe 0.05 s to compile instead of 0.33 s, the second for few lights 0.26 s
-// instead of 0.42 s.
+// come from shadow maps (shadow_lookup.glsl). EASY is the first pass, SINGLE the one that needs no other; without these,
+// the shader is the second or third. FEW_LIGHTS: at most FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded
+// with. MOTION: some instances can move. Drivers remove what a constant leaves out only after they have inlined it: as a
+// variant of the preprocessor, the first pass takes lavapipe 0.05 s to compile instead of 0.33 s, the second for few
+// lights 0.26 s instead of 0.42 s.
 // Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform
 // once for all lanes; but inside of a branch, and of a loop that it cannot unroll, once for each lane. So branches contain
-// little more than stores. && and || are branches, too.
+// little more than stores. && and || are branches, too. SINGLE has branches over work, for devices that skip it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -27,8 +28,13 @@ layout(constant_id = FARSHADE_CONSTANT_WORD_BYTES) const uint kWordBytes = 1;
 const uint kPass = FARSHADE_PASS_DIRECT;
 #elif defined(EASY)
 const uint kPass = FARSHADE_PASS_EASY;
+#define HAS_LISTS
+#elif defined(SINGLE)
+const uint kPass = FARSHADE_PASS_SINGLE;
+#define SECOND_LOOK  // looks in all sources
 #else
-#define SECOND_LOOK  // a pass over listed pixels
+#define SECOND_LOOK
+#define HAS_LISTS
 layout(constant_id = FARSHADE_CONSTANT_PASS) const uint kPass = FARSHADE_PASS_EASY;
 #endif
 layout(constant_id = FARSHADE_CONSTANT_OTHER_EYE) const bool kOtherEye = false;
@@ -58,14 +64,7 @@ layout(binding = 5) uniform sampler2DArray base_colors;
 layout(binding = 6) uniform usampler2DArray surfaces;
 layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
 #ifndef DIRECT
-layout(std430, binding = 8) buffer Hard {
-  // For each eye two lists: hard pixels, and those on instances that can move. xyz = dispatch size, w = length. The
-  // dispatch has rows of kRowGroups workgroups; if there is one row only, it may be shorter.
-  uvec4 hard_lists[4];
-  // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
-  uint hard_pixels[];
-};
-layout(binding = 9) uniform sampler2DArray cube_mask_depths;
+layout(binding = 8) uniform sampler2DArray cube_mask_depths;
 // Of each mask the depth of its views; layers: eyes. An array with an index that is not constant would make lavapipe
 // sample once for each lane.
 layout(binding = FARSHADE_BINDING_MASK_DEPTHS) uniform sampler2DArray mask_depths_0;
@@ -78,6 +77,20 @@ layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 3) uniform sampler2DArray mask_d
 #define mask_depths_1 shown_depths
 #define mask_depths_2 shown_depths
 #define mask_depths_3 shown_depths
+#endif
+#ifdef HAS_LISTS
+#ifdef MOTION
+#define LISTS_BINDING 15  // after those of motion.glsl
+#else
+#define LISTS_BINDING 13
+#endif
+layout(std430, binding = LISTS_BINDING) buffer Hard {
+  // For each eye two lists: hard pixels, and those on instances that can move. xyz = dispatch size, w = length. The
+  // dispatch has rows of kRowGroups workgroups; if there is one row only, it may be shorter.
+  uvec4 hard_lists[4];
+  // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
+  uint hard_pixels[];
+};
 #endif
 #ifdef SHADOW_MAPS
 const bool kShadowMaps = true;
@@ -159,7 +172,7 @@ Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   return eight_of(bits >> (group % 4 * 8));
 }
 
-#ifndef DIRECT
+#ifdef HAS_LISTS
 uint list_place(uint i, bool can_move) {
   uvec2 size = uvec2(frame.eye[shown_eye].size_px.xy);
   return size.x * size.y * shown_eye + (can_move ? size.x * size.y - 1 - i : i);
@@ -196,7 +209,11 @@ struct Lookup {
   SourceData traced;  // of `source`
   ivec2 pixel;        // of `taken`; 0 if it has no source
   bool on_edge;       // a shadow edge is near
+  bool hard;          // the bits of the newest mask are not enough
 };
+
+// Whether a pixel needs the work for hard ones. In a list all do.
+bool is_hard(Lookup found) { return kPass != FARSHADE_PASS_SINGLE || found.hard; }
 
 Lookup look_up(ivec2 pixel, Surface surface) {
   Lookup result;
@@ -226,6 +243,7 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   result.traced = source_of(result.source);
   bool near_edge = near_shadow_edge(result.traced, result.pixel, result.taken.at);
   result.on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && result.known && near_edge;
+  result.hard = !result.known || result.on_edge || result.source != kNewest;
   return result;
 }
 
@@ -242,7 +260,7 @@ PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
   const uint since = is_face(found.source) ? FARSHADE_SINCE_CUBE_MASK : FARSHADE_SINCE_OLDER;
   if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
   bits.visible = found.known ? bits.visible : 0u;
-  if (kSecondLook && kMoved) bits.stale = stale_bits(since, slot, p_stage, plane);
+  if (kSecondLook && kMoved && is_hard(found)) bits.stale = stale_bits(since, slot, p_stage, plane);
   // A stale bit of the point itself is the best that there is, unless the viewer has changed the light.
   uint changed = first ? 0u : bits.stale & frame.changed_lights[plane / 4][plane % 4];
   bits.unknown = found.known ? changed : ~0u;
@@ -256,10 +274,12 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
   if (kShadowMaps) k = from_maps;
   Visibility8 unknown = eight_of(bits.unknown >> (group % 4 * 8)), guessed = Visibility8(vec4(1.0), vec4(1.0));
 #ifdef SECOND_LOOK
-  Visibility8 filtered = edge_visibility(found.source, surface, bits.stale, group, k);
-  k.low = mix(k.low, filtered.low, bvec4(found.on_edge));
-  k.high = mix(k.high, filtered.high, bvec4(found.on_edge));
-  guessed = guess(pixel, found.closest, group);
+  if (is_hard(found)) {
+    Visibility8 filtered = edge_visibility(found.source, surface, bits.stale, group, k);
+    k.low = mix(k.low, filtered.low, bvec4(found.on_edge));
+    k.high = mix(k.high, filtered.high, bvec4(found.on_edge));
+    guessed = guess(pixel, found.closest, group);
+  }
 #endif
   k.low = mix(k.low, kUnknownVisibility * guessed.low, unknown.low);
   k.high = mix(k.high, kUnknownVisibility * guessed.high, unknown.high);
@@ -302,21 +322,18 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
   return irradiance;
 }
 
-// Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
-void shade(ivec2 pixel, bool wanted) {
-  float depth = texelFetch(shown_depths, ivec3(pixel, shown_eye), 0).r;
-  bool covered = depth != 0.0;
-  uint record = report_record(pixel, wanted);
-  if (!covered) report_uncovered(record);
+// The light that the surface at a pixel reflects. `record` is that of the report; `listed`: the pixel is listed if it is
+// hard.
+vec3 reflected(ivec2 pixel, float depth, uint record, bool listed) {
   ShadedPixel at;
   at.pixel = pixel;
-  at.record = covered ? record : kNoRecord;
+  at.record = record;
   uvec2 stored = texelFetch(surfaces, ivec3(pixel, shown_eye), 0).xy;
-  at.surface = surface_at(pixel, covered ? depth : 1.0, stored.y);
+  at.surface = surface_at(pixel, depth, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
     bool moved = kMoved && has_moved(0, at.surface.slot);
-    if (wanted && covered && (!at.found.known || at.found.on_edge || moved))
+    if (listed && (at.found.hard || moved))
       list_as_hard(pixel, at.surface.slot != 0u);
   }
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
@@ -342,13 +359,25 @@ void shade(ivec2 pixel, bool wanted) {
   report_source(at.record, at.found.known, at.found.source, at.found.taken, shining);
 
   const float kInversePi = 0.31830988618;
-  vec3 color = texelFetch(base_colors, ivec3(pixel, shown_eye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
-  color = srgb(mix(frame.background.rgb, color, bvec3(covered)));
-  if (wanted) imageStore(shown, ivec3(pixel, shown_eye), vec4(color, 1.0));
+  return texelFetch(base_colors, ivec3(pixel, shown_eye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
+}
+
+// Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
+void shade(ivec2 pixel, bool wanted) {
+  float depth = texelFetch(shown_depths, ivec3(pixel, shown_eye), 0).r;
+  bool covered = depth != 0.0;
+  uint record = report_record(pixel, wanted);
+  if (!covered) report_uncovered(record);
+  vec3 color = frame.background.rgb;
+  if (kPass != FARSHADE_PASS_SINGLE || covered) {
+    vec3 surface = reflected(pixel, covered ? depth : 1.0, covered ? record : kNoRecord, wanted && covered);
+    color = mix(color, surface, bvec3(covered));
+  }
+  if (wanted) imageStore(shown, ivec3(pixel, shown_eye), vec4(srgb(color), 1.0));
 }
 
 void main() {
-#ifdef SECOND_LOOK
+#if defined(HAS_LISTS) && !defined(EASY)
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
   uint i = gl_GlobalInvocationID.y * (kRowGroups * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x;
   uint place = list_place(i, can_move), pixel = 0u;

@@ -7,18 +7,19 @@
 
 // What one dispatch does. DIRECT reads the newest mask at the shown pixel. The others reproject masks: EASY
 // shades all pixels that the newest mask is enough for and lists the others; HARD shades the listed pixels;
-// MOVING shades the listed pixels on instances that can move.
+// MOVING shades the listed pixels on instances that can move. SINGLE shades all pixels alone, without lists.
 #define FARSHADE_PASS_DIRECT 0
 #define FARSHADE_PASS_EASY 1
 #define FARSHADE_PASS_HARD 2
 #define FARSHADE_PASS_MOVING 3
+#define FARSHADE_PASS_SINGLE 4
 
-// For at most so many lights, a variant of HARD and MOVING filters the edges of each light on its own.
+// For at most so many lights, a variant of HARD, MOVING and SINGLE filters the edges of each light on its own.
 #define FARSHADE_FEW_LIGHTS 4
 
 // Bindings of depth images, which change from frame to frame.
 #define FARSHADE_BINDING_SHOWN_DEPTH 4
-#define FARSHADE_BINDING_MASK_DEPTHS 10  // and the next ones, of each mask
+#define FARSHADE_BINDING_MASK_DEPTHS 9  // and the next ones, of each mask
 
 // Ids of the specialisation constants.
 #define FARSHADE_CONSTANT_LIGHTS 0

@@ -164,8 +164,9 @@ Expected<void> print_plan(const Options& options) {
     headset.eye_distance_m = recording->eye_distance_m;
     headset.fov = recording->fov;
   }
-  const Expected<PlannedScene> planned = load_planned(options, needs_of(options, headset.eye_distance_m));
+  Expected<PlannedScene> planned = load_planned(options, needs_of(options, headset.eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
+  planned->plan.draw.passes = options.passes.value_or(planned->plan.draw.passes);
   const Scene& scene = planned->scene;
   const SceneLevels levels = levels_for(scene, planned->plan);
   const Rigid<Stage, Eye> camera = viewpoint_of(scene, options.start_pose);

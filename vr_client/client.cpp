@@ -168,6 +168,7 @@ std::uint32_t frames_in_flight(const Options& options, const gpu::Device& device
 }  // namespace
 
 void open_renderer(const Options& options, Client& client, const RendererLimits& limits) {
+  client.plan.draw.passes = options.passes.value_or(suited_passes(client.device));
   client.levels = levels_for(client.scene, client.plan);
   client.limits = limits;
   client.limits.frames = frames_in_flight(options, client.device);

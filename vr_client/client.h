@@ -71,8 +71,8 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
                                                             Stages& stages);
 
-/// Creates the renderer, with the scene's levels of detail. How many frames are in flight depends on options
-/// and device.
+/// Creates the renderer, with the scene's levels of detail. The passes and the number of frames in flight are
+/// those that the options or the device choose.
 void open_renderer(const Options& options, Client& client, const RendererLimits& limits);
 
 /// Creates the reference tracer unless it exists. It traces every ray. Fails if the scene cannot be

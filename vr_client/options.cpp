@@ -264,6 +264,10 @@ void add_other_options(CLI::App& app, CommandLine& line) {
       ->expected(0, 1)
       ->type_name("needed|everything")
       ->check(one_of({"", "needed", "everything"}));
+  add_words<std::optional<ShadingPasses>>(
+      app, "--passes", options.passes, {{"sorted", ShadingPasses::Sorted}, {"single", ShadingPasses::Single}},
+      "passes that shade with masks, to compare their times; pictures are the same (default: sorted if the "
+      "processor draws, single on a GPU)");
   app.add_option_function<std::string>(
          "--explain", [&line](const std::string& figure) { line.explained = figure; },
          "print definition, unit and way of measuring of a figure such as \"mask error\", or a line for "

@@ -72,7 +72,8 @@ struct Options {
   std::filesystem::path record;  ///< not empty: write a capture to this file
   std::filesystem::path replay;  ///< not empty: replay this capture and compare
   PlanOptions plan;
-  bool preview = false;  ///< show a window until the user closes it
+  std::optional<ShadingPasses> passes;  ///< empty: those that suit the device
+  bool preview = false;                 ///< show a window until the user closes it
   Xr xr = Xr::None;
   double xr_scale = 1;                ///< size of an eye over the size that the headset's runtime recommends
   std::filesystem::path record_head;  ///< not empty: write the headset's head recording to this file

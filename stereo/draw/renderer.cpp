@@ -599,6 +599,10 @@ DrawCounters VulkanRenderer::counters() const {
 
 }  // namespace
 
+ShadingPasses suited_passes(const gpu::Device& device) {
+  return device.is_cpu ? ShadingPasses::Sorted : ShadingPasses::Single;
+}
+
 std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
                                         const RendererLimits& limits, const SceneLevels& levels) {
   return std::make_unique<VulkanRenderer>(device, scene, std::move(plan), limits, levels);
@@ -606,7 +610,9 @@ std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& 
 
 std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
                                         const RendererLimits& limits) {
-  return make_renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits);
+  DrawPlan plan = plan_for(scene, {.all_lights = true}).draw;
+  plan.passes = suited_passes(device);
+  return make_renderer(device, scene, std::move(plan), limits);
 }
 
 }  // namespace farshade

@@ -208,6 +208,10 @@ class Renderer {
   [[nodiscard]] virtual bool anything_moves() const = 0;
 };
 
+/// The passes that are faster on `device`. Lavapipe executes both sides of every branch, so it needs lists;
+/// a GPU leaves out branches that no lane takes.
+[[nodiscard]] ShadingPasses suited_passes(const gpu::Device& device);
+
 /// Keeps the references except `levels`, which are those of the scene or empty. `plan` is a plan for
 /// `scene`; the scene has only the lights that the plan keeps. Throws when the device runs out of memory.
 [[nodiscard]] std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,

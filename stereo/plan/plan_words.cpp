@@ -106,6 +106,9 @@ std::string session_words(const ScenePlan& plan) {
                                                  : "off: masks fit the shown views") +
          line("cube mask", plan.draw.cube_mask ? "on: coarse masks of all directions about the head"
                                                : "off: this mode requests none") +
+         line("shading", plan.draw.passes == ShadingPasses::Sorted
+                             ? "sorted passes: easy pixels, then lists of the others; on a GPU a single pass"
+                             : "a single pass over all pixels") +
          line("requests",
               plan.draw.anything_moves()
                   ? "in each frame: something moves"

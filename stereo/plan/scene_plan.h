@@ -58,6 +58,13 @@ struct TracePlan {
   MaskLayout mask;
 };
 
+/// The dispatches that reproject masks and shade with them. Pictures are the same. What is faster depends on
+/// the device (suited_passes in renderer.h).
+enum class ShadingPasses : std::uint8_t {
+  Sorted,  ///< one shades the easy pixels and lists the others, on which the next ones run
+  Single,  ///< one shades all pixels
+};
+
 /// What the client does for the scene and the session.
 struct DrawPlan {
   std::vector<SurfaceNeeds> surfaces;  ///< one per mesh, for pictures
@@ -71,6 +78,7 @@ struct DrawPlan {
   bool builds_late = true;       ///< pipelines are created when first needed
   float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
   float ambient = 0;             ///< of the scene
+  ShadingPasses passes = ShadingPasses::Sorted;
   MaskLayout mask;
 
   [[nodiscard]] bool anything_moves() const;

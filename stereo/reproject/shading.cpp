@@ -25,20 +25,32 @@ constexpr double kMeaninglessTurn_rad = 0.25;
 
 constexpr gpu::BindingKind kStorage{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute};
 
-/// Set 0 of shade.comp. It has the last bindings only if masks are reprojected, and if instances can move.
-std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
+/// Set 0 of shade.comp. It has the last bindings only if masks are reprojected, if instances can move, and if
+/// hard pixels are listed.
+std::vector<gpu::BindingKind> shading_set(const DrawPlan& plan, const ShadingBytes& bytes) {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
   const gpu::BindingKind uniform{Type::eUniformBuffer, compute},
       texture{Type::eCombinedImageSampler, compute};
   std::vector<gpu::BindingKind> kinds{uniform, uniform, kStorage, kStorage,
                                       texture, texture, texture,  {Type::eStorageImage, compute}};
-  if (bytes.lists > 0) {
-    kinds.insert(kinds.end(), {kStorage, texture});
-    kinds.insert(kinds.end(), kMaxMasks, texture);
-  }
+  if (reprojects_masks(plan)) kinds.insert(kinds.end(), 1 + kMaxMasks, texture);
   if (bytes.motions > 0) kinds.insert(kinds.end(), 2, kStorage);
+  if (bytes.lists > 0) kinds.push_back(kStorage);
   return kinds;
+}
+
+/// The passes that `plan` may need. MOVING has pixels only if instances can move.
+std::vector<std::uint32_t> passes_of(const DrawPlan& plan, Changes moves) {
+  std::vector<std::uint32_t> passes{FARSHADE_PASS_DIRECT};
+  if (!reprojects_masks(plan)) return passes;
+  if (plan.passes == ShadingPasses::Single) {
+    passes.push_back(FARSHADE_PASS_SINGLE);
+    return passes;
+  }
+  passes.insert(passes.end(), {FARSHADE_PASS_EASY, FARSHADE_PASS_HARD});
+  if (moves == Changes::Possible) passes.push_back(FARSHADE_PASS_MOVING);
+  return passes;
 }
 
 std::vector<const TracedMask*> taken(std::span<const DatedMask> masks) {
@@ -117,7 +129,7 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
 }
 
 ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass& gbuffer) const {
-  FrameSet set{gpu::make_bindings(device_, shading_set(bytes_), "shading")};
+  FrameSet set{gpu::make_bindings(device_, shading_set(plan_, bytes_), "shading")};
   const gpu::Bindings& bindings = set.bindings;
   std::uint32_t binding = 0;
   for (const gpu::UploadBuffer* upload : {&std::as_const(frame_buffer_), &std::as_const(light_buffer_),
@@ -127,8 +139,7 @@ ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass& gbuffer) const {
   for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
     gpu::bind_image(device_, bindings, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_image(device_, bindings, binding++, {*shown_.view, Layout::eGeneral, nullptr});
-  if (hard_buffer_.bytes > 0) {
-    gpu::bind_buffer(device_, bindings, binding++, hard_buffer_, bytes_.arguments);
+  if (reprojects_masks(plan_)) {
     // Without a cube mask its depth is not read.
     const gpu::Image& faces = depths_.faces ? depths_.faces->images().front() : *depths_.any.image;
     gpu::bind_image(device_, bindings, binding++, {*faces.view, Layout::eShaderReadOnlyOptimal, *nearest_});
@@ -137,6 +148,7 @@ ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass& gbuffer) const {
   }
   for (const gpu::UploadBuffer* upload : {&motion_slots_, &motion_buffer_})
     if (upload->bytes() > 0) gpu::bind_buffer(device_, bindings, binding++, upload->buffer());
+  if (bytes_.lists > 0) gpu::bind_buffer(device_, bindings, binding++, hard_buffer_, bytes_.arguments);
   check_eq(std::size_t{binding}, bindings.kinds.size(), "bindings of the shading pass");
   bind_depths(set, depths_.any, {});
   return set;
@@ -239,8 +251,7 @@ void ShadingPass::assume_nothing() {
 void ShadingPass::make_all_pipelines() {
   assume_nothing();
   other_eye_ = plan_.other_eye;
-  const std::uint32_t last = reprojects_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
-  for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
+  for (const std::uint32_t pass : passes_of(plan_, Changes::Possible)) need_pipeline(pass, PixelReport::Off);
 }
 
 std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojection, PixelReport report,
@@ -248,15 +259,13 @@ std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojecti
   if (report == PixelReport::On) make_report_buffer();
   reprojection_ = reprojection;
   other_eye_ = plan_.other_eye && reprojection.eyes == Eyes::Both;
-  const std::uint32_t last = !reprojects_masks(plan_)                            ? FARSHADE_PASS_DIRECT
-                             : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
-                                                                                 : FARSHADE_PASS_HARD;
+  const std::vector<std::uint32_t> passes = passes_of(plan_, motion_count_ > 0 ? changes : Changes::Never);
   std::set<ShadingKey> keys;
   for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
     if (moved ? changes == Changes::Never : motion_count_ > 0) continue;
     whole_ = whole;
     moved_ = moved;
-    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) keys.insert(key_of(pass, report));
+    for (const std::uint32_t pass : passes) keys.insert(key_of(pass, report));
   }
   pipelines_.need_all(keys, need_layout(report));
   std::vector<gpu::Recording> warm_ups;
@@ -341,7 +350,7 @@ void ShadingPass::copy_arguments(const vk::raii::CommandBuffer& commands) const 
           At::eComputeShader | At::eDrawIndirect, Access::eShaderWrite | Access::eIndirectCommandRead);
 }
 
-void ShadingPass::shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report) {
+void ShadingPass::shade_sorted(const vk::raii::CommandBuffer& commands, PixelReport report) {
   empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
   barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eTransfer,
@@ -359,8 +368,10 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport re
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
     shade_all(commands, FARSHADE_PASS_DIRECT, report);
+  } else if (plan_.passes == ShadingPasses::Single) {
+    shade_all(commands, FARSHADE_PASS_SINGLE, report);
   } else {
-    shade_reprojected(commands, report);
+    shade_sorted(commands, report);
   }
   barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eHost | At::eTransfer,
           Access::eHostRead | Access::eTransferRead);

@@ -95,7 +95,7 @@ class ShadingPass {
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
   void copy_arguments(const vk::raii::CommandBuffer& commands) const;
-  void shade_reprojected(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void shade_sorted(const vk::raii::CommandBuffer& commands, PixelReport report);
   void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);

@@ -48,7 +48,7 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
     bytes.slots = plan.moves.size() * 4;
     bytes.motions = motion_index(moving, 0, 0) * sizeof(glm::mat4);
   }
-  if (reprojects_masks(plan)) {
+  if (reprojects_masks(plan) && plan.passes == ShadingPasses::Sorted) {
     bytes.arguments = kListHeads_bytes + kEyes * size.pixels() * 4;
     bytes.lists = bytes.arguments + kListHeads_bytes;
   }

@@ -41,7 +41,7 @@ struct ShadingBytes {
   std::size_t lights = 0;
   MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the cube mask
   std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
-  std::size_t lists = 0;               ///< 0 if masks are not reprojected
+  std::size_t lists = 0;               ///< 0 if masks are not reprojected, or all pixels in a single pass
   /// Where the arguments of the dispatches over lists begin. They lie behind what shaders see of `lists`.
   std::size_t arguments = 0;
   std::size_t report = 0;  ///< allocated when a report is first requested

@@ -21,6 +21,14 @@
 #include "shaders/shade_hard_report.comp.spv.h"
 #include "shaders/shade_maps.comp.spv.h"
 #include "shaders/shade_maps_report.comp.spv.h"
+#include "shaders/shade_single.comp.spv.h"
+#include "shaders/shade_single_few.comp.spv.h"
+#include "shaders/shade_single_few_motion.comp.spv.h"
+#include "shaders/shade_single_few_motion_report.comp.spv.h"
+#include "shaders/shade_single_few_report.comp.spv.h"
+#include "shaders/shade_single_motion.comp.spv.h"
+#include "shaders/shade_single_motion_report.comp.spv.h"
+#include "shaders/shade_single_report.comp.spv.h"
 #include "stereo/reproject/shading.h"
 
 namespace farshade {
@@ -43,14 +51,24 @@ const MotionVariants kEasy{{shade_easy_comp_spv, shade_easy_report_comp_spv},
     kHard{{shade_hard_comp_spv, shade_hard_report_comp_spv},
           {shade_hard_motion_comp_spv, shade_hard_motion_report_comp_spv}},
     kFewLights{{shade_few_comp_spv, shade_few_report_comp_spv},
-               {shade_few_motion_comp_spv, shade_few_motion_report_comp_spv}};
+               {shade_few_motion_comp_spv, shade_few_motion_report_comp_spv}},
+    kSingle{{shade_single_comp_spv, shade_single_report_comp_spv},
+            {shade_single_motion_comp_spv, shade_single_motion_report_comp_spv}},
+    kSingleFewLights{{shade_single_few_comp_spv, shade_single_few_report_comp_spv},
+                     {shade_single_few_motion_comp_spv, shade_single_few_motion_report_comp_spv}};
+
+/// Of a pass that reprojects masks.
+const MotionVariants& motion_variants_of(std::uint32_t pass, std::uint32_t lights) {
+  if (pass == FARSHADE_PASS_EASY) return kEasy;
+  const bool few = lights <= FARSHADE_FEW_LIGHTS;
+  if (pass == FARSHADE_PASS_SINGLE) return few ? kSingleFewLights : kSingle;
+  return few ? kFewLights : kHard;
+}
 
 Variants variants_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
   if (key.uses_maps()) return {shade_maps_comp_spv, shade_maps_report_comp_spv};
   if (key.pass == FARSHADE_PASS_DIRECT) return {shade_direct_comp_spv, shade_direct_report_comp_spv};
-  const MotionVariants& pass = key.pass == FARSHADE_PASS_EASY  ? kEasy
-                               : lights <= FARSHADE_FEW_LIGHTS ? kFewLights
-                                                               : kHard;
+  const MotionVariants& pass = motion_variants_of(key.pass, lights);
   return motion ? pass.moving : pass.still;
 }
 

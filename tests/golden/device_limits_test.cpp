@@ -28,7 +28,7 @@ void expect_same_bits(const std::vector<Shown>& some, const std::vector<Shown>& 
 /// Three masks of noise, so that all pixels are on shadow edges, at another pose and an earlier time.
 Shown with_hard_pixels(const gpu::Device& device, Scene scene) {
   constexpr std::uint32_t kSide_px = 160;
-  TestRig rig(device, std::move(scene), kSide_px);
+  TestRig rig(device, std::move(scene), kSide_px, 4, 0, ShadingPasses::Sorted);
   const Rigid<Stage, Head> head = rig.head();
   rig.set_time(Time(700ms));
   const Mask older = with_noise(rig.ask(kOlder, rig.eyes(moved(head, 0.1, {0, 0, 0}))), 1),

@@ -89,7 +89,9 @@ class Economy : public OnLavapipe {
  protected:
   /// Requests a mask for some views, and half a second later draws other views with it.
   Cost drawn(const Scene& scene, const SessionNeeds& needs = {}) {
-    const DrawPlan plan = plan_for(scene, needs).draw;
+    return drawn(scene, plan_for(scene, needs).draw);
+  }
+  Cost drawn(const Scene& scene, const DrawPlan& plan) {
     const std::unique_ptr<Renderer> renderer_owner = make_renderer(device_, scene, plan, kLimits);
     Renderer& renderer = *renderer_owner;
     const SceneState now = state_at(scene, Time(500ms));
@@ -189,6 +191,19 @@ TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToReprojectThem) {
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
   EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, reprojected.memory.now[Use::GBuffer] * 2);
   EXPECT_LE(fitting.memory.now[Use::Masks] * 4, reprojected.memory.now[Use::Masks] + 1024);
+}
+
+TEST_F(Economy, ASinglePassHasNoLists) {
+  const Scene scene = scene_with({});
+  DrawPlan plan = plan_for(scene).draw;
+  const Cost sorted = drawn(scene, plan);
+  plan.passes = ShadingPasses::Single;
+  const Cost single = drawn(scene, plan);
+  EXPECT_EQ(single.pipelines, sorted.pipelines - 1);
+  EXPECT_EQ(single.bindings, sorted.bindings - 1);
+  EXPECT_EQ(changes(sorted.memory.now, single.memory.now), "lists");
+  EXPECT_EQ(client_memory(scene, plan, kLimits)[Use::Lists], single.memory.now[Use::Lists]);
+  EXPECT_EQ(single.memory.now[Use::Lists], 0u);
 }
 
 TEST_F(Economy, TheOtherEyeIsLookedUpOnlyWhereItStandsElsewhere) {

@@ -33,6 +33,19 @@ gpu::Device& shared_device() {
   return device;
 }
 
+ShadingPasses tested_passes(const gpu::Device& device) {
+  const char* const named = std::getenv("FARSHADE_PASSES");
+  if (named == nullptr) return suited_passes(device);
+  return std::string_view(named) == "single" ? ShadingPasses::Single : ShadingPasses::Sorted;
+}
+
+/// A plan that keeps all lights.
+DrawPlan plan_of(const Scene& scene, float detail_px, ShadingPasses passes) {
+  DrawPlan plan = plan_for(scene, {.all_lights = true, .detail_px = detail_px}).draw;
+  plan.passes = passes;
+  return plan;
+}
+
 constexpr double kEyeDistance_m = 0.063;
 constexpr EyeFov kLeftFov{-0.60, 0.50, 0.52, -0.56};
 constexpr double kWallDistance_m = 2, kWallFov_rad = 1.4;
@@ -187,14 +200,14 @@ void for_covered(const Shown& shown, const Visit& visit) {
 }
 
 TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
-                 float detail_px)
+                 float detail_px, std::optional<ShadingPasses> passes)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
       depth_frames_(depth_frames),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(make_renderer(
-          device, scene_, plan_for(scene_, {.all_lights = true, .detail_px = detail_px}).draw,
+          device, scene_, plan_of(scene_, detail_px, passes.value_or(tested_passes(device))),
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
 }
 

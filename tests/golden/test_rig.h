@@ -109,9 +109,10 @@ void for_covered(const Shown& shown, const Visit& visit);
 class TestRig {
  public:
   /// Shown eyes have `side_px` x `side_px` pixels. Traced views may be a quarter larger. The renderer allows
-  /// for an error of `detail_px` pixels of levels of detail, but draws none.
+  /// for an error of `detail_px` pixels of levels of detail, but draws none. It shades with the `passes` that
+  /// the environment variable FARSHADE_PASSES names (sorted, single), or that suit the device.
   TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4,
-          float detail_px = 0);
+          float detail_px = 0, std::optional<ShadingPasses> passes = {});
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Renderer& renderer() { return *renderer_; }

@@ -97,7 +97,7 @@ std::vector<std::string> every_option() {
       "--delay 35 --pictures 2 --dump 3,5 --out there --place recorded "
       "--trace-scale 0.76 --trace-axes ros/optical --trace-units us --trace-quaternion xyzw "
       "--reference-every 0 --predictor hold --guard-band off --mask-every 3 "
-      "--reprojection off --edges nearest --gpu llvm --validate");
+      "--reprojection off --edges nearest --passes single --gpu llvm --validate");
   return {std::istream_iterator<std::string>(words), {}};
 }
 
@@ -128,6 +128,7 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
   EXPECT_EQ(options.request.every, 3u);
   EXPECT_EQ(options.reprojection, (Reprojection{.lookup = Lookup::Direct, .edges = Edges::Nearest}));
+  EXPECT_EQ(options.passes, ShadingPasses::Single);
   EXPECT_EQ(options.device.name_contains, "llvm");
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
