@@ -1,4 +1,5 @@
 """The options of all scripts: --help prints usage, and an unknown option is refused before anything happens."""
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -56,6 +57,18 @@ class Options(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, done.stderr)
                 self.assertIn("usage: ", done.stderr)
                 self.assertEqual(written, [])
+
+    def test_check_says_that_it_cannot_run_if_it_cannot_write(self):
+        with tempfile.TemporaryDirectory() as bundle:
+            shutil.copy(ROOT / "tests/gpu/check", bundle)
+            (Path(bundle) / "bin").mkdir()
+            for name in ("bin/vr_client", "a_file"):  # the check looks only whether the client is there
+                (Path(bundle) / name).touch(mode=0o755)
+            for folder in (f"{bundle}/a_file/below", f"{bundle}/a_file", "/proc/no/folder"):
+                with self.subTest(folder=folder):
+                    done, _ = run(f"{bundle}/check", folder)
+                    self.assertEqual(done.returncode, 3, done.stderr)
+                    self.assertIn(f"cannot write to {folder}", done.stderr)
 
 
 if __name__ == "__main__":
