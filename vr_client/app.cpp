@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
@@ -15,6 +16,7 @@
 #include "vr_client/client.h"
 #include "vr_client/compile_ahead.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/run_frames.h"
 #include "vr_client/placed_head.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/run_outputs.h"
@@ -99,8 +101,11 @@ class Progress {
   Stopwatch watch_;
 };
 
-/// Runs the frame loop until its end or a stop signal. `first` gets each frame before anything else is drawn.
-Expected<void> show(const RunContext& context, std::uint32_t frames, RunOutputs& outputs, StopSignal& stop,
+/// The frames of a run, until their end or `stop`.
+using Frames = std::function<Expected<void>(const FrameWatcher& watch, const std::function<bool()>& stop)>;
+
+/// Shows frames until their end or a stop signal. `first` gets each frame before anything else is drawn.
+Expected<void> show(const Frames& shows, std::uint32_t frames, RunOutputs& outputs, StopSignal& stop,
                     const FrameWatcher& first) {
   if (auto done = outputs.begin(); !done) return done;
   Progress progress(frames);
@@ -112,8 +117,7 @@ Expected<void> show(const RunContext& context, std::uint32_t frames, RunOutputs&
     }
     progress.show(view.shown.frame.value, outputs.silence());
   };
-  const Expected<void> done =
-      run(context, *make_pipeline(context), watch, [&stop] { return stop.has_come(); });
+  const Expected<void> done = shows(watch, [&stop] { return stop.has_come(); });
   progress.end();
   if (done && stop.has_come()) fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
   return done;
@@ -209,7 +213,10 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
   context.mode = {.mode = mode};
   context.link = replay.link();
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(context, *frames, outputs, stop, compare); !done) return done;
+  const auto replay_frames = [&](const FrameWatcher& watch, const std::function<bool()>& until) {
+    return run(context, *make_pipeline(context), watch, until);
+  };
+  if (auto done = show(replay_frames, *frames, outputs, stop, compare); !done) return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   const auto conclude = [&]() -> Expected<void> {
     if (!verdict) return tl::unexpected(verdict.error());
@@ -239,6 +246,13 @@ struct OpenedRun {
   FrameSettings settings;
 };
 
+/// Compiles the pipelines of a run, unless its frames do so as they need them.
+void compile_for(const Options& options, Client& client, std::uint32_t frames,
+                 const FrameSettings& settings) {
+  if (compiles_ahead(options, frames))
+    compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
+}
+
 /// Everything for a run but the server. What does not depend on each other is opened side by side.
 Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   Expected<HeadRecording> recording = load_head(options);
@@ -252,10 +266,7 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   auto placing = place_meanwhile(options, client.scene, std::move(*recording));
   const FrameSettings settings{
       .request = options.request, .reprojection = options.reprojection, .report = report_of(options)};
-  const auto compile = [&] {
-    if (compiles_ahead(options, frames))
-      compile_ahead(client, settings.reprojection, settings.report, Changes::Never);
-  };
+  const auto compile = [&] { compile_for(options, client, frames, settings); };
   if (auto done = open_drawing(options, options.mode.mode, client, renderer_limits(options), stages, compile);
       !done)
     return tl::unexpected(done.error());
@@ -265,45 +276,71 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   return OpenedRun{std::move(*opened), std::move(*head), frames, settings};
 }
 
+/// Shows the frames of a run, over losses of its device.
+Expected<void> show_run(const Options& options, const OpenedRun& run, Runtime& runtime, RunOutputs& outputs,
+                        StopSignal& stop) {
+  Client& client = *run.client;
+  const FrameDevice device{.context = [&] { return context_of(options, client, runtime, run.settings); },
+                           .clear =
+                               [&] {
+                                 outputs.lose_device();
+                                 client.renderer.reset();
+                               },
+                           .reopen =
+                               [&] {
+                                 return reopen_device(options, client).map([&] {
+                                   compile_for(options, client, run.frames, run.settings);
+                                 });
+                               }};
+  const Frames over_losses = [&](const FrameWatcher& watch, const std::function<bool()>& until) {
+    return run_frames(device, watch, until);
+  };
+  return show(over_losses, run.frames, outputs, stop, [](const FrameView&) {});
+}
+
 }  // namespace
 
 Expected<void> run_client(const Options& options, StopSignal& stop) {
   Stages stages(kSteadyClock);
   if (auto done = RunOutputs::prepare(options); !done) return done;
-  Expected<OpenedRun> opened = open_run(options, stages);
+  const Expected<OpenedRun> opened = open_run(options, stages);
   if (!opened) return tl::unexpected(opened.error());
-  auto& [owner, head, frames, settings] = *opened;
-  Client& client = *owner;
+  const PlacedHead& head = opened->head;
+  Client& client = *opened->client;
   RecordedHeadRuntime runtime(head.recording, playback_of(options, head.stage_from_recorded));
-  RunOutputs outputs(
-      options, client, stages,
-      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce));
+  RunOutputs outputs(options, client, stages,
+                     report_options(options, opened->frames,
+                                    options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce));
   if (auto done = open_link(options, client, outputs.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
   if (head.exposure) client.exposure = head.exposure;
-  const RunContext context = context_of(options, client, runtime, settings);
   if (auto done = outputs.open_capture(options); !done) return done;
   stages.end("server");
 
   if (options.pace == Pace::Real)
-    draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));
-  if (auto done = show(context, frames, outputs, stop, [](const FrameView&) {}); !done) return done;
-  const auto conclude = [&, &test = head.test] {
+    draw_ahead(context_of(options, client, runtime, opened->settings),
+               head.recording.start() + duration_from_ms(options.skip_s * 1e3));
+  const Expected<void> shown = show_run(options, *opened, runtime, outputs, stop);
+  const bool has_lost_device = client.renderer == nullptr;
+  if (!shown && (!has_lost_device || outputs.frames() == 0)) return shown;
+  const bool is_cut = !shown || stop.has_come();
+  const auto conclude = [&] {
     return summarize(options, client,
                      FinishedRun{.log = *outputs.log(),
                                  .silence = outputs.silence(),
                                  .missed = runtime.skipped(),
-                                 .interrupted = stop.has_come(),
-                                 .head_test = test});
+                                 .interrupted = is_cut,
+                                 .head_test = head.test});
   };
-  if (auto done = outputs.finish(stop.has_come(), conclude); !done) return done;
+  if (auto done = outputs.finish(is_cut, conclude); shown && !done) return done;
   if (outputs.captures())
     fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", outputs.capture().frames(),
                megabytes(outputs.capture().bytes()), options.record.string());
+  if (!shown) return shown;
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
-  if (stop.has_come()) return interrupted(options, outputs, frames);
-  return check_answered(client, *outputs.log()).and_then([&, count = frames] {
-    return check_length(options, count);
+  if (stop.has_come()) return interrupted(options, outputs, opened->frames);
+  return check_answered(client, *outputs.log()).and_then([&] {
+    return check_length(options, opened->frames);
   });
 }
 

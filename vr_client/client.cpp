@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <future>
+#include <utility>
 
 #include "stereo/announce/find_server.h"
 #include "stereo/base/user_folders.h"
@@ -134,6 +135,20 @@ SceneLevels levels_for(const Scene& scene, const ScenePlan& plan) {
   return std::move(cached.levels);
 }
 
+namespace {
+
+/// The device before it, if there is one, ends here; what the validation layers said about it is kept.
+void take_device(Client& client, gpu::Device device) {
+  const gpu::Device before = std::exchange(client.device, std::move(device));
+  if (before.validation_log && client.device.validation_log)
+    for (const std::string& message : before.validation_log->messages())
+      client.device.validation_log->add(message);
+  client.is_first_start = !gpu::load_pipelines(client.device, cache_folder());
+  spdlog::info("drawing on {}: {}", client.device.name, client.device.why);
+}
+
+}  // namespace
+
 Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
                                               Stages& stages) {
   auto client = std::make_unique<Client>();
@@ -150,9 +165,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   stages.end("scene");
   Expected<gpu::Device> device = opening.get();
   if (!device) return tl::unexpected(device.error());
-  client->device = std::move(*device);
-  client->is_first_start = !gpu::load_pipelines(client->device, cache_folder());
-  spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
+  take_device(*client, std::move(*device));
   stages.end("device");
   return client;
 }
@@ -165,15 +178,28 @@ std::uint32_t frames_in_flight(const Options& options, const gpu::Device& device
   return options.pace == Pace::Real && !device.is_cpu ? 2 : 1;
 }
 
-}  // namespace
-
-void open_renderer(const Options& options, Client& client, const RendererLimits& limits) {
+/// With the passes and frames in flight that suit the device.
+void make_renderer_of(const Options& options, Client& client) {
   client.plan.draw.passes = options.passes.value_or(suited_passes(client.device));
-  client.levels = levels_for(client.scene, client.plan);
-  client.limits = limits;
   client.limits.frames = frames_in_flight(options, client.device);
   client.renderer =
       make_renderer(client.device, client.scene, client.plan.draw, client.limits, client.levels);
+}
+
+}  // namespace
+
+void open_renderer(const Options& options, Client& client, const RendererLimits& limits) {
+  client.levels = levels_for(client.scene, client.plan);
+  client.limits = limits;
+  make_renderer_of(options, client);
+}
+
+Expected<void> reopen_device(const Options& options, Client& client) {
+  Expected<gpu::Device> device = gpu::open_device(options.device);
+  if (!device) return tl::unexpected(device.error());
+  take_device(client, std::move(*device));
+  make_renderer_of(options, client);
+  return {};
 }
 
 Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m) {

@@ -54,6 +54,10 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// work on the device may be pending. Fails, with nothing changed, if the mode cannot be run here.
 [[nodiscard]] Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m);
 
+/// Replaces a device that is lost, which nothing uses any more, and makes the renderer anew with the same
+/// limits. Fails, with the lost device kept, if none can be opened.
+[[nodiscard]] Expected<void> reopen_device(const Options& options, Client& client);
+
 /// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
 [[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);
 

@@ -26,10 +26,10 @@ FrameWindow::FrameWindow(Client& client, Window& window, Controls& controls, Rec
       controls_(controls),
       recordings_(recordings),
       eye_(eye),
-      presenter_(client.device, window, client.renderer->shown()) {}
+      presenter_(std::in_place, client.device, window, client.renderer->shown()) {}
 
 void FrameWindow::replace(const PerEye<Image<Rgb8>>& pictures) {
-  for (const Side side : kSides) presenter_.upload(side, pictures[index_of(side)]);
+  for (const Side side : kSides) presenter_->upload(side, pictures[index_of(side)]);
   pictures_ = {Picture::LeftUpload, Picture::RightUpload};
 }
 
@@ -60,7 +60,7 @@ std::optional<PixelFacts> FrameWindow::inspected(const FrameView& view,
 Presenter::Outcome FrameWindow::show(const Composition& composition, const RunFacts& run,
                                      const std::optional<PixelFacts>& pixel) {
   const PanelFacts facts = facts_of(run, pixel);
-  return presenter_.show(composition, [&] { draw_panel(controls_, facts); });
+  return presenter_->show(composition, [&] { draw_panel(controls_, facts); });
 }
 
 PanelFacts FrameWindow::facts_of(const RunFacts& run, const std::optional<PixelFacts>& pixel) const {

@@ -26,7 +26,11 @@ class FrameWindow {
   FrameWindow(Client& client, Window& window, Controls& controls, Recordings& recordings, Extent eye);
 
   /// The client has another renderer. The device has finished all work of the one before.
-  void take_renderer() { presenter_.take_eyes(client_.renderer->shown()); }
+  void take_renderer() { presenter_->take_eyes(client_.renderer->shown()); }
+  /// Destroys what was made on the client's device. Nothing is shown until take_device.
+  void leave_device() { presenter_.reset(); }
+  /// The client has another device, with another renderer.
+  void take_device() { presenter_.emplace(client_.device, window_, client_.renderer->shown()); }
 
   /// The renderer has drawn a frame.
   void begin() { inspection_.begin(*client_.renderer); }
@@ -47,7 +51,7 @@ class FrameWindow {
                           const std::optional<PixelFacts>& pixel);
   /// The same without the panel, as a picture; empty while the window is minimised.
   [[nodiscard]] Image<Rgb8> read_back(const Composition& composition) const {
-    return presenter_.read_back(composition);
+    return presenter_->read_back(composition);
   }
 
   /// Adds a frame to the figures, which end at present, and brings the title up to date once a second.
@@ -69,7 +73,7 @@ class FrameWindow {
   Controls& controls_;
   Recordings& recordings_;
   Extent eye_;
-  Presenter presenter_;
+  std::optional<Presenter> presenter_;  ///< set while there is a device
   Inspection inspection_;
   History history_;
   PerEye<Picture> pictures_{Picture::LeftEye, Picture::RightEye};

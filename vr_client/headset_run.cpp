@@ -8,7 +8,7 @@
 #include "vr_client/client.h"
 #include "vr_client/compile_ahead.h"
 #include "vr_client/mirror.h"
-#include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/run_frames.h"
 #include "vr_client/openxr/headset_runtime.h"
 #include "vr_client/placed_head.h"
 #include "vr_client/preview/headset_controls.h"
@@ -40,6 +40,7 @@ class HeadsetReport {
     if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
     if (const auto news = outputs_.watch(view)) spdlog::warn(*news);
   }
+  void lose_device() { outputs_.lose_device(); }
   [[nodiscard]] std::uint32_t frames() const { return outputs_.frames(); }
   [[nodiscard]] bool failed() const { return !opened_; }
   /// Whether it showed as many frames as --frames says.
@@ -109,38 +110,55 @@ Options options_for(const Options& given, const HeadsetSystem& system, const Win
   return options;
 }
 
+void compile(const Options& options, Client& client) {
+  if (draws_scene(options.mode.mode))
+    compile_ahead(client, options.reprojection, report_of(options), Changes::Possible);
+}
+
 /// The client for a headset, without a server. The viewer may move lights.
 Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
   if (!client) return client;
-  const auto compile = [&] {
-    if (draws_scene(options.mode.mode))
-      compile_ahead(**client, options.reprojection, report_of(options), Changes::Possible);
-  };
-  return open_drawing(options, options.mode.mode, **client, renderer_limits(options), stages, compile)
+  return open_drawing(options, options.mode.mode, **client, renderer_limits(options), stages,
+                      [&] { compile(options, **client); })
       .map([&] { return std::move(*client); });
+}
+
+/// What the frames are drawn on. Keeps the references.
+FrameDevice device_of(const Options& options, Client& client, HeadsetRuntime& runtime, Mirror& mirror,
+                      HeadsetReport& report, const FrameSettings& settings) {
+  return {.context = [&] { return context_of(options, client, runtime, settings); },
+          .clear =
+              [&] {
+                report.lose_device();
+                mirror.leave_device();
+                runtime.leave_device();
+                client.renderer.reset();
+              },
+          .reopen =
+              [&] {
+                return reopen_device(options, client).map([&] {
+                  compile(options, client);
+                  runtime.take_device(client.renderer->shown());
+                  mirror.take_device();
+                });
+              }};
 }
 
 /// Runs the frame loop. A device that is lost or has no memory is an error like any other, so that what the
 /// frames so far have left is written.
-Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
-                          const std::function<bool()>& stop) try {
-  return run(context, *make_pipeline(context), watch, stop);
-} catch (const vk::DeviceLostError& lost) {
-  return fail(Fault::Unavailable, fmt::format("the GPU was lost ({}): start vr_client again; if it happens "
-                                              "often, a smaller --xr-scale is less work",
-                                              lost.what()));
+Expected<void> run_once(const FrameDevice& device, const FrameWatcher& watch,
+                        const std::function<bool()>& stop) try {
+  return run_frames(device, watch, stop);
 } catch (const vk::SystemError& failed) {
   return fail(Fault::Unavailable,
               fmt::format("drawing failed ({}): a smaller --xr-scale needs less memory", failed.what()));
 }
 
 /// The frames of a session, from the first to its end.
-Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime,
-                    const FrameSettings& settings, const FrameWatcher& watch,
+Expected<void> show(const FrameDevice& device, HeadsetRuntime& runtime, const FrameWatcher& watch,
                     const std::function<bool()>& stop) {
-  const RunContext context = context_of(options, client, runtime, settings);
-  const Expected<void> shown = run_frames(context, watch, stop);
+  const Expected<void> shown = run_once(device, watch, stop);
   const Expected<void> ended = runtime.finish();
   const HeadsetRuntime::Counters& counters = runtime.counters();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}", counters.submitted,
@@ -213,7 +231,8 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
     report.watch(view, (*runtime)->refresh_hz());
     mirror.watch(view);
   };
-  Expected<void> done = show(options, client, **runtime, controls.settings, watch, wants_to_end);
+  Expected<void> done = show(device_of(options, client, **runtime, mirror, report, controls.settings),
+                             **runtime, watch, wants_to_end);
   if (auto written = report.finish(system); done) done = written;
   if (auto written = mirror.finish(); done) done = written;
   return done ? outcome(options, client, report, stop.has_come(), mirror.wants_to_end()) : done;

@@ -99,6 +99,15 @@ void Mirror::idle() {
   });
 }
 
+void Mirror::leave_device() {
+  composition_.reset();
+  if (shown_) guard([&] { shown_->leave_device(); });
+}
+
+void Mirror::take_device() {
+  if (shown_) guard([&] { shown_->take_device(); });
+}
+
 bool Mirror::wants_to_end() const {
   return quit_ == Quit::Wanted || (window_ && window_->should_close());
 }

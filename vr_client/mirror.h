@@ -37,6 +37,11 @@ class Mirror {
   /// The same while the headset shows no frame: the window stays alive with the last picture.
   void idle();
 
+  /// The device is lost. The window keeps its last picture until take_device.
+  void leave_device();
+  /// The client has another device, with another renderer.
+  void take_device();
+
   /// The user has closed the window or pressed Escape.
   [[nodiscard]] bool wants_to_end() const;
 

@@ -13,7 +13,7 @@
 #include "vr_client/client.h"
 #include "vr_client/compile_ahead.h"
 #include "vr_client/frame_window.h"
-#include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/run_frames.h"
 #include "vr_client/placed_head.h"
 #include "vr_client/report/timeline.h"
 
@@ -115,9 +115,11 @@ class Preview {
   }
 
   [[nodiscard]] Expected<void> run_once(const std::function<bool()>& stop) {
-    const RunContext context = context_of(options_, client_, runtime_, controls_.settings);
-    return run(
-        context, *make_pipeline(context), [this](const FrameView& view) { watch(view); }, stop);
+    return run_frames(
+        {.context = [this] { return context_of(options_, client_, runtime_, controls_.settings); },
+         .clear = [this] { leave_device(); },
+         .reopen = [this] { return take_device(); }},
+        [this](const FrameView& view) { watch(view); }, stop);
   }
 
   [[nodiscard]] Expected<void> finish() {
@@ -141,6 +143,21 @@ class Preview {
       spdlog::warn("the layout of the preview is not remembered: {}", saved.error().what);
   }
 
+  /// A capture ends, because a replay loses no device.
+  void leave_device() {
+    client_.clock.resume();  // the frame that was held is gone
+    end_capture();
+    shown_.leave_device();
+    client_.renderer.reset();
+  }
+  Expected<void> take_device() {
+    tell_waiting(window_, "opening the GPU again");
+    if (auto done = reopen_device(options_, client_); !done) return done;
+    shown_.take_device();
+    compile();
+    return {};
+  }
+
   Expected<void> restart() {
     shown_.forget();
     return std::exchange(restart_, Restart::No) == Restart::Mode ? switch_mode() : restart_with_capture();
@@ -149,7 +166,7 @@ class Preview {
   /// Goes back to the present mode, and offers the wanted one no more, if that cannot be run.
   Expected<void> switch_mode() {
     const Mode before = options_.mode.mode, wanted = controls_.mode;
-    if (recordings_.writes_capture()) recordings_.end_capture();
+    end_capture();
     const Expected<void> opened = open_mode(wanted);
     trouble_ = opened ? "" : fmt::format("no mode {}: {}", name_of(wanted), opened.error().what);
     if (opened) return {};
@@ -167,13 +184,24 @@ class Preview {
     if (auto done = reopen_renderer(options_, client_, kWidestEyes_m); !done) return done;
     shown_.take_renderer();
     if (auto done = open_tracers(options_, mode, client_); !done) return done;
-    if (draws_scene(mode))
-      compile_ahead(client_, controls_.settings.reprojection, controls_.settings.report, Changes::Possible,
-                    [this](const std::string& what) { tell_waiting(window_, what); });
+    compile();
     if (answers_for(mode) == 0) return {};
     if (client_.network) return connect(options_, client_);
     followed_.reset();
     return open_link(options_, client_);
+  }
+
+  /// The pipelines that the frames of the present mode can need.
+  void compile() {
+    if (draws_scene(options_.mode.mode))
+      compile_ahead(client_, controls_.settings.reprojection, controls_.settings.report, Changes::Possible,
+                    [this](const std::string& what) { tell_waiting(window_, what); });
+  }
+
+  void end_capture() {
+    if (!recordings_.writes_capture()) return;
+    recordings_.end_capture();
+    if (client_.link) client_.link->tell({});  // requests may be for parts again
   }
 
   Expected<void> restart_with_capture() {
@@ -218,10 +246,9 @@ class Preview {
     if (controls_.take(Command::RecordHead)) recordings_.toggle_head();
     if (controls_.take(Command::RecordFrames)) recordings_.toggle_frames();
     if (!controls_.take(Command::RecordCapture)) return;
-    if (recordings_.writes_capture()) {
-      recordings_.end_capture();
-      if (client_.link) client_.link->tell({});  // requests may be for parts again
-    } else if (can_be_captured(options_.mode.mode))
+    if (recordings_.writes_capture())
+      end_capture();
+    else if (can_be_captured(options_.mode.mode))
       restart_ = Restart::Capture;
     else
       recordings_.refuse_capture(name_of(options_.mode.mode));
@@ -363,7 +390,7 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {
-      // For example a lost device or surface. The recordings are finished below.
+      // For example a lost surface. The recordings are finished below.
       done = fail(Fault::Unavailable, fmt::format("drawing on {} failed ({}); start again",
                                                   (*client)->device.name, error.what()));
     }

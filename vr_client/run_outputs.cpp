@@ -1,5 +1,6 @@
 #include "vr_client/run_outputs.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "stereo/base/files.h"
@@ -29,7 +30,7 @@ Expected<void> RunOutputs::prepare(const Options& options) {
 RunOutputs::RunOutputs(const Options& options, Client& client, Stages& stages,
                        std::optional<RunReportOptions> measuring)
     : options_(options), client_(client), stages_(stages), capture_(client.clock) {
-  if (measuring) report_.emplace(std::move(*measuring), *client.renderer, client.reference.get());
+  if (measuring) report_.emplace(std::move(*measuring), client.renderer, client.reference.get());
 }
 
 Expected<void> RunOutputs::open_capture(const Options& shown) {
@@ -44,18 +45,36 @@ Expected<void> RunOutputs::begin() {
   return write_file_atomically(options_.json, "{}\n");
 }
 
+void RunOutputs::lose_device() {
+  if (!captures() || capture_.has_ended()) return;
+  if (client_.link) client_.link->tell({});
+  if (capture_.finish())
+    spdlog::warn("the capture {} ends after {} frames, before the loss of the GPU", options_.record.string(),
+                 capture_.frames());
+}
+
 std::optional<std::string> RunOutputs::watch(const FrameView& view) {
   if (frames_++ == 0) {
     stages_.end("first frame");
     spdlog::info("the first frame was shown after {}", stages_.in_words());
   }
-  if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
+  if (captures() && !capture_.has_ended()) capture_.watch(view, client_.renderer->read_shown());
   if (report_) report_->watch(view);
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
   // A client that replays has no link.
   if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
   const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
   return silence_.add(view.shown.frame, view.silent_since, kSteadyClock.now(), why);
+}
+
+/// A device that is lost meanwhile is not opened again. What was compared before is written.
+Expected<void> RunOutputs::compare_kept() try {
+  report_->compare_kept();
+  return {};
+} catch (const vk::DeviceLostError& lost) {
+  client_.renderer.reset();
+  return fail(Fault::Unavailable,
+              fmt::format("the GPU was lost while frames were compared after the run ({})", lost.what()));
 }
 
 Expected<void> RunOutputs::finish(bool was_interrupted, const std::function<Expected<void>()>& summarize) {
@@ -65,6 +84,7 @@ Expected<void> RunOutputs::finish(bool was_interrupted, const std::function<Expe
     for (const std::uint32_t dump : options_.dump)
       if (dump == 0 || dump > report_->log().records().size())
         spdlog::warn("frame {} was not dumped, because it was not shown", dump);
+    if (auto compared = compare_kept(); done) done = compared;
     report_->finish();
     if (auto written = summarize(); done) done = written;
     if (done && report_->failed()) done = tl::unexpected(*report_->failed());

@@ -35,6 +35,9 @@ class RunOutputs {
   /// Call it when the link is open. Writes empty files, so that a path that cannot be written fails early.
   [[nodiscard]] Expected<void> begin();
 
+  /// The client has lost its device. A capture ends, because a replay loses none.
+  void lose_device();
+
   /// Adds a frame that was shown. Returns what to tell the user.
   [[nodiscard]] std::optional<std::string> watch(const FrameView& view);
 
@@ -48,6 +51,8 @@ class RunOutputs {
   [[nodiscard]] const CaptureWriter& capture() const { return capture_; }
 
  private:
+  [[nodiscard]] Expected<void> compare_kept();
+
   const Options& options_;
   Client& client_;
   Stages& stages_;

@@ -12,7 +12,7 @@ RunTotals totals_of(const Client& client, Extent eye_size, double refresh_hz, co
   return {.period = duration_from_ms(1e3 / refresh_hz),
           .frames = log.records().size(),
           .start_up_frames = client.link ? log.start_up_frames() : 0,
-          .memory_bytes = client.renderer->counters().memory.peak_total,
+          .memory_bytes = client.device.ledger->read().peak_total,
           .eye_size = eye_size,
           .cpu_draws = client.device.is_cpu};
 }

@@ -31,11 +31,11 @@ class Recovering final : public RequestHandler {
 AnswerCost DeviceRecovery::answer(RequestHandler& handler, const Job& job, FramePacker& packer) {
   try {
     const AnswerCost cost = handler.answer(job, packer);
-    losses_ = 0;
+    losses_.add_work();
     return cost;
   } catch (const vk::DeviceLostError& lost) {
     const std::string why = lost.what();
-    if (++losses_ == kMostLosses) give_up(fmt::format("it was lost {} times in a row: {}", kMostLosses, why));
+    if (losses_.add_loss()) give_up(fmt::format("it was lost {} times in a row: {}", kMostLosses, why));
     if (const Expected<void> opened = reopen_(); !opened)
       give_up(fmt::format("it was lost ({}) and cannot be opened again: {}", why, opened.error().what));
     throw std::runtime_error("the device was lost and has been opened again: " + why);

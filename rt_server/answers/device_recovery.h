@@ -7,6 +7,7 @@
 
 #include "rt_server/work/request_handlers.h"
 #include "stereo/base/expected.h"
+#include "stereo/gpu/device_losses.h"
 
 namespace farshade {
 
@@ -14,7 +15,7 @@ namespace farshade {
 class DeviceRecovery {
  public:
   /// After so many losses without an answer between them the device is given up.
-  static constexpr int kMostLosses = 3;
+  static constexpr int kMostLosses = gpu::DeviceLosses::kMost;
 
   /// `reopen` closes the device with everything made on it, and opens a device again.
   explicit DeviceRecovery(std::function<Expected<void>()> reopen) : reopen_(std::move(reopen)) {}
@@ -26,7 +27,7 @@ class DeviceRecovery {
 
  private:
   std::function<Expected<void>()> reopen_;
-  int losses_ = 0;  ///< since the last answer
+  gpu::DeviceLosses losses_{1};
 };
 
 /// `handler`, called through `recovery`.

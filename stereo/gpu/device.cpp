@@ -334,7 +334,8 @@ void abandon(const Device& device) {
   silence(call.vkDestroyCommandPool);
   silence(call.vkFreeCommandBuffers);
   silence(call.vkDestroySwapchainKHR);
-  // The instance ends its devices with it.
+  // The swapchains stay on their surface, and the instance ends its devices with it.
+  silence(writable(device.instance.getDispatcher()).vkDestroySurfaceKHR);
   silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
 }
 

@@ -25,6 +25,9 @@ class CubeMaskPlan {
   /// After a move by so many distances between the eyes within kStillPeriod, the old one hardly serves.
   static constexpr double kJump_eyes = 32;
 
+  /// `begun`: so many whole cube masks have been requested before; their frame ids are used.
+  explicit CubeMaskPlan(std::uint32_t begun = 0) : requests_(begun * std::uint32_t{kCubeMaskPairs}) {}
+
   /// The requests for pairs that are due in the frame that shows `shown`: one pair in a frame, but all at
   /// once if nothing that was requested before serves. They are made for the time `lead` later.
   /// `is_under_way`: an answer of the cube mask may still come.
@@ -46,7 +49,7 @@ class CubeMaskPlan {
     std::size_t pairs = 0;  ///< requested so far
   };
   std::optional<Set> set_;
-  std::uint32_t requests_ = 0;
+  std::uint32_t requests_;
   bool is_urgent_ = false;
 };
 

@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
 #include "stereo/gpu/device.h"
 #include "stereo/tracer/tracer.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/modes/run_frames.h"
 #include "vr_client/report/run_report.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
@@ -25,11 +27,10 @@ constexpr Duration kPatience = std::chrono::seconds(3);
 /// Plays a recorded head. Frames begin at times of the link's clock.
 class LinkRuntime final : public Runtime {
  public:
-  LinkRuntime(RecordedHeadRuntime& head, const PerEye<HiddenArea>* hidden, NetworkLink& link,
-              ManualClock& clock, const gpu::Device& device, std::function<void()> before_frame)
-      : device_(device),
+  LinkRuntime(RecordedHeadRuntime& head, const Play& play, NetworkLink& link, ManualClock& clock,
+              std::function<void()> before_frame)
+      : play_(play),
         head_(head),
-        hidden_(hidden),
         link_(link),
         clock_(clock),
         begun_(clock.now()),
@@ -41,24 +42,26 @@ class LinkRuntime final : public Runtime {
     first_ = first_.value_or(timing->display_time);
     link_.listen(begun_ + (timing->display_time - *first_) - clock_.now());
     before_frame_();
-    submissions_ = device_.use->submissions;
+    if (++frame_; play_.loss && frame_ == play_.loss->frame)
+      play_.loss->device.timeout_ns = 1;  // as a device that hangs
+    submissions_ = play_.device.use->submissions;
     return timing;
   }
   [[nodiscard]] StereoView locate_views(Time display_time) const override {
     return head_.locate_views(display_time);
   }
-  [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return hidden_; }
+  [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return play_.hidden; }
   void end_frame(Time display_time) override {
-    most_submissions_ = std::max(most_submissions_, device_.use->submissions - submissions_);
+    most_submissions_ = std::max(most_submissions_, play_.device.use->submissions - submissions_);
     head_.end_frame(display_time);
   }
   [[nodiscard]] std::uint64_t most_submissions() const { return most_submissions_; }
 
  private:
-  const gpu::Device& device_;
+  const Play& play_;
   RecordedHeadRuntime& head_;
+  std::uint32_t frame_ = 0;
   std::uint64_t submissions_ = 0, most_submissions_ = 0;
-  const PerEye<HiddenArea>* hidden_;
   NetworkLink& link_;
   ManualClock& clock_;
   Time begun_;
@@ -221,6 +224,23 @@ void prepare(const Play& play, const RunContext& context) {
   draw_ahead(context, play.head.start() + play.skip);
 }
 
+Expected<void> reopen(gpu::Device& device) {
+  return gpu::open_device({.name_contains = device.name}).map([&](gpu::Device&& opened) {
+    static_cast<void>(std::exchange(device, std::move(opened)));
+  });
+}
+
+/// The device of a play; without a loss it is not opened again. Keeps the references.
+FrameDevice device_of(const Play& play, std::unique_ptr<Renderer>& renderer, std::uint32_t in_flight,
+                      std::function<RunContext()> context) {
+  FrameDevice device{.context = std::move(context), .clear = [&renderer] { renderer.reset(); }};
+  if (play.loss)
+    device.reopen = [&play, &renderer, in_flight] {
+      return reopen(play.loss->device).map([&] { renderer = renderer_for(play, in_flight); });
+    };
+  return device;
+}
+
 }  // namespace
 
 Played play(const Play& play, const Network& network) {
@@ -232,20 +252,18 @@ Played play(const Play& play, const Network& network) {
   if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
   if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
   const std::uint32_t in_flight = kLongestRoundTrip_frames + narrow<std::uint32_t>(kMaxMasks) + 4;
-  const std::unique_ptr<Renderer> drawn_by = renderer_for(play, in_flight);
-  Renderer& renderer = *drawn_by;
+  std::unique_ptr<Renderer> renderer = renderer_for(play, in_flight);
   NetworkLink link(
       wire.client(), clock,
       {wire.server().local(), server.key, play.scene.hash, {server.lights}, answers_for(play.mode.mode)},
       in_flight);
   Played played;
   collect_reports(link, played);
-  const Expected<void> connected = link.connect(kPatience);
-  const Duration round_trip = connected ? (clock.now() - Time{}) / 2 : Duration::zero();
+  const Duration round_trip = link.connect(kPatience) ? (clock.now() - Time{}) / 2 : Duration::zero();
 
   RecordedHeadRuntime head = recorded_head(play);
   Time moved = clock.now();
-  LinkRuntime runtime(head, play.hidden, link, clock, play.device, [&] {
+  LinkRuntime runtime(head, play, link, clock, [&] {
     if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
     moved = clock.now();
     wire.move_client(0);
@@ -255,15 +273,16 @@ Played play(const Play& play, const Network& network) {
   const FrameSettings settings{.request = play.request,
                                .reprojection = play.reprojection,
                                .report = measuring.measures_any() ? PixelReport::On : PixelReport::Off};
-  const RunContext context{
-      .scene = play.scene,
-      .runtime = runtime,
-      .renderer = renderer,
-      .mode = play.mode,
-      .link = answers_for(play.mode.mode) != 0 ? &link : nullptr,
-      .own_tracer = own_tracer ? &*own_tracer : nullptr,
-      .settings = settings,
-      .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
+  const auto context = [&] {
+    return RunContext{.scene = play.scene,
+                      .runtime = runtime,
+                      .renderer = *renderer,
+                      .mode = play.mode,
+                      .link = answers_for(play.mode.mode) != 0 ? &link : nullptr,
+                      .own_tracer = own_tracer ? &*own_tracer : nullptr,
+                      .settings = settings,
+                      .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
+  };
   const auto watch = [&](const FrameView& view) {
     report.watch(view);
     const FrameRecord& record = report.log().records().back();
@@ -271,13 +290,14 @@ Played play(const Play& play, const Network& network) {
     if (play.watch_smooth && record.errors && play.reference_samples > 1)
       play.watch_smooth(
           view, record, report.measured(),
-          smooth_reference(view.shown, view.state, play.reference_samples, renderer, *reference));
-    played.frames.push_back(played_frame(view, clock, link, renderer));
+          smooth_reference(view.shown, view.state, play.reference_samples, *renderer, *reference));
+    played.frames.push_back(played_frame(view, clock, link, *renderer));
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
-  prepare(play, context);
-  const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
+  prepare(play, context());
+  const Expected<void> shown =
+      run_frames(device_of(play, renderer, in_flight, context), watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
   played.log = report.log(), played.most_submissions = runtime.most_submissions();
   played.client = link.counters(), played.server = server.core.counters();

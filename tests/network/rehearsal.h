@@ -59,6 +59,12 @@ struct Play {
     DrawnAhead
   } start = Start::Cold;                       ///< DrawnAhead: as with a real clock
   const PerEye<HiddenArea>* hidden = nullptr;  ///< by the lenses of the headset; null: nothing
+  /// The device is lost while it works on this frame, and opened again.
+  struct Loss {
+    gpu::Device& device;  ///< that of the play
+    std::uint32_t frame;
+  };
+  std::optional<Loss> loss{};
 };
 
 struct PlayedFrame {

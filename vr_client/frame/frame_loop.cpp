@@ -5,20 +5,6 @@
 namespace farshade {
 namespace {
 
-/// The scene's clock. It advances with the display's clock while the scene's animations play.
-class SceneTime {
- public:
-  Time at(Time display_time, SceneClock clock) {
-    if (last_ && clock == SceneClock::Running) now_ += display_time - *last_;
-    last_ = display_time;
-    return now_;
-  }
-
- private:
-  Time now_{};
-  std::optional<Time> last_;
-};
-
 /// The traffic of a link between two calls.
 class TrafficMeter {
  public:
@@ -104,9 +90,13 @@ StageTimes stage_times(const DrawTimes& drawn, const StageStarts& starts, Durati
 
 Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
                    const std::function<bool()>& stop) {
+  RunPosition start;
+  return run(context, pipeline, watch, stop, start);
+}
+
+Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
+                   const std::function<bool()>& stop, RunPosition& position) {
   const Clock& clock = context.clock;
-  FrameId frame;
-  SceneTime scene_time;
   TrafficMeter traffic(context.link);
   FramesUnderWay under_way;
   while (!stop()) {
@@ -117,8 +107,9 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     context.renderer.discard_times();  // what a watcher has drawn is not of this frame
 
     starts.request = clock.now();
-    frame = next(frame);
-    const FrameMoment shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
+    position.frame = next(position.frame);
+    const FrameMoment shown{position.frame, timing->display_time,
+                            position.scene_time.at(timing->display_time, settings.scene),
                             context.runtime.locate_views(timing->display_time), settings.lights};
     SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     state.light_set.exposure = exposure_of(context);
@@ -133,7 +124,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     starts.draw = clock.now();
     const DrawnFrame drawn_frame = pipeline.draw(inputs);
     const DrawTimes drawn = finish_frame(context, pipeline, inputs, request, starts);
-    const std::optional<FinishedPicture> finished = under_way.end(frame, starts, drawn);
+    const std::optional<FinishedPicture> finished = under_way.end(position.frame, starts, drawn);
     const StageTimes times = stage_times(
         drawn, starts,
         context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect,

@@ -63,6 +63,26 @@ struct FrameView {
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 
+/// The scene's clock. It advances with the display's clock while the scene's animations play.
+class SceneTime {
+ public:
+  Time at(Time display_time, SceneClock clock) {
+    if (last_ && clock == SceneClock::Running) now_ += display_time - *last_;
+    last_ = display_time;
+    return now_;
+  }
+
+ private:
+  Time now_{};
+  std::optional<Time> last_;
+};
+
+/// How far a run has come. A run that an exception has ended goes on from there with its next frame.
+struct RunPosition {
+  FrameId frame;  ///< that has begun last
+  SceneTime scene_time;
+};
+
 /// The parts of a run. The link or the tracer that the mode needs is set, unless no light casts shadows.
 struct RunContext {
   const Scene& scene;
@@ -81,5 +101,8 @@ struct RunContext {
 /// `pipeline` is that of the context's mode (vr_client/modes/make_pipeline.h).
 [[nodiscard]] Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
                                  const std::function<bool()>& stop);
+/// The same from `position` on, which follows the run.
+[[nodiscard]] Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
+                                 const std::function<bool()>& stop, RunPosition& position);
 
 }  // namespace farshade

@@ -6,6 +6,23 @@
 
 namespace farshade {
 
+namespace {
+
+/// The whole cube masks that earlier pipelines have begun to request on this link.
+std::uint32_t begun_on(const ServerConnection* link) {
+  std::uint32_t begun = 0;
+  if (link == nullptr) return begun;
+  for (const RequestRecord& record : link->receiver().cube_mask_records())
+    if (const std::uint32_t id = record.request.frame.value; id >= kFirstCubeMaskFrame.value)
+      begun = std::max(begun, (id - kFirstCubeMaskFrame.value) / std::uint32_t{kCubeMaskPairs} + 1);
+  return begun;
+}
+
+}  // namespace
+
+CubeMask::CubeMask(ServerConnection* link, const MaskPolicy& policy, SceneMotion motion)
+    : link_(link), policy_(policy), motion_(motion), plan_(begun_on(link)) {}
+
 bool CubeMask::is_under_way() const {
   return std::ranges::any_of(link_->receiver().cube_mask_records(), [&](const RequestRecord& record) {
     return link_->receiver().may_come(record.request.frame) && !link_->receiver().is_settled(record);

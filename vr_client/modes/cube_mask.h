@@ -9,8 +9,7 @@ namespace farshade {
 class CubeMask {
  public:
   /// `link` may be null: then there are no requests and no masks.
-  CubeMask(ServerConnection* link, const MaskPolicy& policy, SceneMotion motion)
-      : link_(link), policy_(policy), motion_(motion) {}
+  CubeMask(ServerConnection* link, const MaskPolicy& policy, SceneMotion motion);
 
   /// Plans this frame's requests for pairs, if any are due. Returns whether they should leave before all
   /// others.

@@ -33,7 +33,7 @@ Rigid<Stage, Tracked> place(const Rigid<Tracked, Eye>& head, const Rigid<Stage, 
 class OpenXrRuntime final : public HeadsetRuntime {
  public:
   OpenXrRuntime(Instance& instance, const gpu::Device& device, const gpu::Image& shown, HeadsetSetup setup)
-      : setup_(std::move(setup)), shown_(shown), session_(instance, device, setup_) {}
+      : setup_(std::move(setup)), shown_(&shown), session_(instance, device, setup_) {}
 
   [[nodiscard]] Expected<void> open() { return session_.open(); }
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
@@ -43,6 +43,11 @@ class OpenXrRuntime final : public HeadsetRuntime {
   }
   void add_output(const gpu::Recorder& append) override;
   void end_frame(Time display_time) override;
+  void leave_device() override { session_.leave_device(); }
+  void take_device(const gpu::Image& shown) override {
+    shown_ = &shown;
+    session_.take_device();
+  }
   [[nodiscard]] Expected<void> finish() override;
   [[nodiscard]] const Counters& counters() const override { return counters_; }
   [[nodiscard]] double refresh_hz() const override {
@@ -63,7 +68,7 @@ class OpenXrRuntime final : public HeadsetRuntime {
   [[nodiscard]] std::optional<vk::Image> next_image(const Swapchain& swapchain);
 
   HeadsetSetup setup_;
-  const gpu::Image& shown_;
+  const gpu::Image* shown_;  ///< not used while there is no device
   HeadsetSession session_;
   XrFrameState frame_{};  ///< the frame that has begun last
   std::optional<Located> located_;
@@ -195,7 +200,7 @@ void OpenXrRuntime::add_output(const gpu::Recorder& append) {
   const std::optional<vk::Image> depth = depths ? next_image(*depths) : std::nullopt;
   if (depths && !depth) return;
   std::vector<LayerCopy> copies{
-      {shown_, 0, vk::ImageLayout::eGeneral, *picture, vk::ImageLayout::eColorAttachmentOptimal}};
+      {*shown_, 0, vk::ImageLayout::eGeneral, *picture, vk::ImageLayout::eColorAttachmentOptimal}};
   if (depths) {
     const HeadsetDepth shown = setup_.depth();
     copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, *depth,

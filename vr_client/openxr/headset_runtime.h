@@ -50,6 +50,12 @@ class HeadsetRuntime : public Runtime {
   /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
   [[nodiscard]] StereoView locate_views(Time display_time) const override = 0;
 
+  /// The device is lost: ends the session, which is bound to it. There are no frames until take_device.
+  virtual void leave_device() = 0;
+  /// Another device has been opened in the place of the lost one. Waits for the headset, as after the loss of
+  /// a session, and makes a session on the device. `shown` is that of open_runtime, on the new device.
+  virtual void take_device(const gpu::Image& shown) = 0;
+
   /// Ends the session as the specification asks for: requests the exit and waits for it, at most
   /// `longest_exit`. Returns why frames ended early: a call that failed, or a runtime that has ended.
   [[nodiscard]] virtual Expected<void> finish() = 0;

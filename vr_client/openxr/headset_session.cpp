@@ -119,6 +119,11 @@ void HeadsetSession::abandon() {
   instance_.abandon();
 }
 
+void HeadsetSession::leave_device() {
+  end_session();
+  give(SessionReplaced{});  // by none: it does not run
+}
+
 Expected<void> HeadsetSession::close() {
   end_session();
   if (failed_) return tl::unexpected(*failed_);

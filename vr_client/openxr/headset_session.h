@@ -47,6 +47,10 @@ class HeadsetSession {
   void want_to_end();
   /// A call blocks: leaves everything that it may use to the end of the program, and ends the run.
   void abandon();
+  /// The device is lost: destroys the session, which is bound to it.
+  void leave_device();
+  /// There is a device again in the place of the lost one: makes a session on it, as after a lost session.
+  void take_device() { give(SessionLost{}); }
   /// Destroys the session. Returns why the run has failed.
   [[nodiscard]] Expected<void> close();
 

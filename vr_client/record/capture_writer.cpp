@@ -53,7 +53,7 @@ bool CaptureWriter::write() {
 }
 
 void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown) {
-  if (!file_ || failed_) return;
+  if (has_ended()) return;
   frame_.input = {view.timing, view.shown.views, view.settings};
   for (const Side side : kSides) frame_.pictures[index_of(side)] = hash_of(shown[index_of(side)]);
   append(frame_, pending_);

@@ -37,6 +37,8 @@ class CaptureWriter {
   /// Writes the end record and closes the file. Returns failed(). The destructor does the same.
   Expected<void> finish();
 
+  /// Frames are added no more: it is finished, or has failed.
+  [[nodiscard]] bool has_ended() const { return file_ == nullptr; }
   /// Why the capture ended early; the sentence names file and frame.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] std::uint32_t frames() const { return frames_; }  ///< in the file

@@ -59,7 +59,8 @@ Expected<void> write_measured(const std::filesystem::path& folder, const Measure
   return write_png(folder / "worst.png", picture_sheet(rows));
 }
 
-RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* reference)
+RunReport::RunReport(RunReportOptions options, const std::unique_ptr<Renderer>& renderer,
+                     Reference* reference)
     : options_(std::move(options)),
       renderer_(renderer),
       reference_(reference),
@@ -127,8 +128,8 @@ void RunReport::watch(const FrameView& view) {
   const bool dumped = is_dumped(frame) && !failed_, measured = dumped || is_measured(frame);
   const bool at_once = options_.compare == Compare::AtOnce || (dumped && kept_dump_bytes_ > kMostKept_bytes);
   std::optional<Taken> taken;
-  if (measured) taken = {log_.records().size() - 1, read_back(view, renderer_), std::nullopt};
-  if (dumped) taken->dump = dump_of(view, renderer_.read_distance());
+  if (measured) taken = {log_.records().size() - 1, read_back(view, *renderer_), std::nullopt};
+  if (dumped) taken->dump = dump_of(view, renderer_->read_distance());
   picture(view, taken);
   if (!taken) return;
   if (at_once)
@@ -143,7 +144,7 @@ void RunReport::picture(const FrameView& view, const std::optional<Taken>& taken
   awaits_picture_ |= is_pictured(view.shown.frame);
   if (!awaits_picture_ || view.start_up || failed_) return;
   awaits_picture_ = false;
-  const PerEye<Image<Rgb8>> shown = taken ? taken->frame.pictures : renderer_.read_shown();
+  const PerEye<Image<Rgb8>> shown = taken ? taken->frame.pictures : renderer_->read_shown();
   kept_picture_bytes_ += kEyes * shown[0].pixels.size() * sizeof(Rgb8);
   if (kept_picture_bytes_ > kMostKept_bytes)
     keep(write_shown(options_.out, view.shown.frame, shown));
@@ -163,7 +164,7 @@ void RunReport::keep(Taken taken) {
 }
 
 void RunReport::compare(Taken taken) {
-  const PerEye<EyeErrors> errors = measure(std::move(taken.frame), renderer_, *reference_, current_);
+  const PerEye<EyeErrors> errors = measure(std::move(taken.frame), *renderer_, *reference_, current_);
   log_.set_errors(taken.record, errors);
   if (taken.dump && !failed_) keep(write_dump(options_.out / "dump", *taken.dump, current_));
   const double error = badness(errors[0]) + badness(errors[1]);
@@ -172,11 +173,17 @@ void RunReport::compare(Taken taken) {
   worst_ = current_;
 }
 
-void RunReport::finish() {
-  if (!kept_.empty())
-    spdlog::info("comparing {} of the {} shown frames", kept_.size(), log_.records().size());
+void RunReport::compare_kept() {
+  if (kept_.empty()) return;
+  if (!renderer_)
+    return spdlog::warn("without a GPU, frames that wait for their comparison are not compared");
+  spdlog::info("comparing {} of the {} shown frames", kept_.size(), log_.records().size());
   for (Taken& kept : kept_) compare(std::move(kept));
   kept_.clear();
+}
+
+void RunReport::finish() {
+  compare_kept();
   std::string summary = summary_csv(log_.summary());
   if (interrupted_) summary += fmt::format("run,interrupted,,1,1,1,{}\n", log_.records().size());
   keep(write_file_atomically(options_.out / "summary.csv", summary));

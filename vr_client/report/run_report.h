@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "vr_client/frame/frame_loop.h"
@@ -41,8 +42,9 @@ struct RunReportOptions {
 
 class RunReport {
  public:
-  /// `reference` may be null only if `options` measure no frame.
-  RunReport(RunReportOptions options, Renderer& renderer, Reference* reference);
+  /// `renderer` has drawn the frames. It may be replaced between two frames, and be null when the device is
+  /// lost for good. `reference` may be null only if `options` measure no frame.
+  RunReport(RunReportOptions options, const std::unique_ptr<Renderer>& renderer, Reference* reference);
 
   void watch(const FrameView& view);
 
@@ -55,8 +57,11 @@ class RunReport {
   /// The last frame that was measured.
   [[nodiscard]] const MeasuredFrame& measured() const { return current_; }
 
-  /// Compares the frames that have waited for it. Writes summary.csv and frames.csv, and then the pictures,
-  /// so that a full disk costs pictures and not the numbers. failed() tells whether all were written.
+  /// Compares the frames that have waited for it, if there is a renderer.
+  void compare_kept();
+  /// Compares the frames that still wait. Writes summary.csv and frames.csv,
+  /// and then the pictures, so that a full disk costs pictures and not the numbers. failed() tells whether
+  /// all were written.
   void finish();
 
  private:
@@ -70,7 +75,7 @@ class RunReport {
   void keep(Expected<void> done);
 
   RunReportOptions options_;
-  Renderer& renderer_;
+  const std::unique_ptr<Renderer>& renderer_;
   Reference* reference_;
   FrameLog log_;
   std::optional<FrameId> counted_;  ///< the server frame that was logged last

@@ -45,16 +45,18 @@ fake_openxr::Runtime& restart_fake() {
   return *restart();
 }
 
-Expected<ShownPictures> make_pictures() {
-  const Expected<std::unique_ptr<HeadsetSystem>> system = HeadsetSystem::open();
-  if (!system) return tl::unexpected(system.error());
-  return open_device_of(**system).map([](gpu::Device&& device) {
+Expected<ShownPictures> make_pictures(const HeadsetSystem& system) {
+  return open_device_of(system).map([](gpu::Device&& device) {
     gpu::Image shown =
                    cleared(device, vk::Format::eR8G8B8A8Unorm, Usage::eStorage, vk::ImageLayout::eGeneral),
                depth = cleared(device, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment,
                                vk::ImageLayout::eShaderReadOnlyOptimal);
     return ShownPictures{std::move(device), std::move(shown), std::move(depth)};
   });
+}
+
+Expected<ShownPictures> make_pictures() {
+  return HeadsetSystem::open().and_then([](auto&& system) { return make_pictures(*system); });
 }
 
 /// Never destroyed: at the end of the process the driver may be gone.

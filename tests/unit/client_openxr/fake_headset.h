@@ -20,6 +20,7 @@ struct ShownPictures {
   gpu::Image shown, depth;
 };
 [[nodiscard]] Expected<ShownPictures> make_pictures();
+[[nodiscard]] Expected<ShownPictures> make_pictures(const HeadsetSystem& system);
 /// Those that all tests of a process share. Null without a Vulkan device.
 [[nodiscard]] ShownPictures* pictures();
 

@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <limits>
 #include <thread>
+#include <utility>
 
+#include "stereo/gpu/frame_commands.h"
 #include "stereo/math/rotation.h"
 #include "tests/unit/client_openxr/fake_headset.h"
 
@@ -276,6 +278,48 @@ TEST_F(HeadsetSessions, EndAsTheSpecificationAsksFor) {
             "idle, ready, synchronized, visible, focused, visible, synchronized, stopping");
   EXPECT_EQ(fake->counts["xrRequestExitSession"], 1u);
   EXPECT_EQ(fake->counts["xrEndSession"], 1u);
+}
+
+/// The session is bound to the device.
+TEST_F(HeadsetSessions, GoOnWithAnotherDeviceInThePlaceOfALostOne) {
+  system = HeadsetSystem::open().value();
+  ShownPictures own = make_pictures(*system).value();
+  HeadsetSetup shows_own = setup();
+  shows_own.depth = [&own] { return HeadsetDepth{own.depth, 0}; };
+  runtime = system->open_runtime(own.device, own.shown, std::move(shows_own)).value();
+  const auto show_three = [&] {
+    for (int i = 0; i < 3; ++i) {
+      const Time time = runtime->wait_frame().value().display_time;
+      static_cast<void>(runtime->locate_views(time));
+      gpu::FrameCommands frame(own.device);
+      runtime->add_output([&](const gpu::Recording& record) { frame.record(record); });
+      frame.submit();
+      runtime->end_frame(time);
+    }
+  };
+  show_three();
+  ASSERT_TRUE(runtime->wait_frame()) << "this frame is lost";
+  runtime->leave_device();
+  EXPECT_EQ(fake->living.sessions, 0);
+  static_cast<void>(std::exchange(own, make_pictures(*system).value()));
+  runtime->take_device(own.shown);
+  EXPECT_EQ(fake->living.sessions, 1);
+  show_three();
+  EXPECT_EQ(fake->frames.size(), 6u);
+  finish();
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(own.device.validation_log->messages(), std::vector<std::string>{});
+  runtime.reset();
+}
+
+/// For example a device that is lost again and again.
+TEST_F(HeadsetSessions, EndIfThereIsNoOtherDevice) {
+  ASSERT_TRUE(open(setup())) << error;
+  show_until(2);
+  runtime->leave_device();
+  finish();
+  EXPECT_EQ(error, "");
+  EXPECT_EQ(fake->living.sessions, 0);
 }
 
 TEST_F(HeadsetSessions, StopAndStartAgain) {
