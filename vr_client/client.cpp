@@ -350,6 +350,12 @@ MaskPolicy policy_of(const Options& options, const Client& client) {
   return {.pace = options.pace, .delay = duration_from_ms(options.delay_ms), .round_trip = client.round_trip};
 }
 
+/// A capture has the views of a frame once.
+Locate locate_of(const Options& options) {
+  const bool is_live = options.pace == Pace::Real && options.record.empty() && options.replay.empty();
+  return is_live ? Locate::ForDrawing : Locate::Once;
+}
+
 }  // namespace
 
 RunContext context_of(const Options& options, Client& client, Runtime& runtime,
@@ -363,6 +369,7 @@ RunContext context_of(const Options& options, Client& client, Runtime& runtime,
           .settings = settings,
           .exposure = settle_exposure(options, client),
           .policy = policy_of(options, client),
+          .locate = locate_of(options),
           .clock = client.clock};
 }
 

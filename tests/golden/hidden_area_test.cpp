@@ -195,7 +195,7 @@ class OneFrame final : public Runtime {
     if (std::exchange(shown_, true)) return std::nullopt;
     return FrameTiming{Time(std::chrono::seconds(1)), std::chrono::milliseconds(11)};
   }
-  [[nodiscard]] StereoView locate_views(Time) const override { return views_; }
+  [[nodiscard]] StereoView locate_views(Time) override { return views_; }
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return &hidden_; }
 
  private:

@@ -27,7 +27,7 @@ class CountedFrames final : public Runtime {
     before_.emplace(device_);
     return FrameTiming{Time(number_ * std::chrono::milliseconds(11)), std::chrono::milliseconds(11)};
   }
-  [[nodiscard]] StereoView locate_views(Time) const override {
+  [[nodiscard]] StereoView locate_views(Time) override {
     return eyes_of(moved(head_, 0.02 * number_, {}), kSubmissionSide_px);
   }
   void add_output(const gpu::Recorder& append) override {

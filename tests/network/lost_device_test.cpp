@@ -110,7 +110,7 @@ class LostFrames : public testing::Test, public Runtime {
     if (++begun_ > most_) return std::nullopt;
     return FrameTiming{Time(begun_ * kPeriod), kPeriod};
   }
-  [[nodiscard]] StereoView locate_views(Time) const override {
+  [[nodiscard]] StereoView locate_views(Time) override {
     StereoView views;
     views.fill({*scene_.camera, {-0.7, 0.7, 0.7, -0.7}, kEye});
     return views;

@@ -85,7 +85,7 @@ class Stage final : public Runtime {
     happens_(++frame_);
     return timing;
   }
-  [[nodiscard]] StereoView locate_views(Time display_time) const override {
+  [[nodiscard]] StereoView locate_views(Time display_time) override {
     return head_.locate_views(display_time);
   }
   void end_frame(Time display_time) override { head_.end_frame(display_time); }

@@ -47,7 +47,7 @@ class LinkRuntime final : public Runtime {
     submissions_ = play_.device.use->submissions;
     return timing;
   }
-  [[nodiscard]] StereoView locate_views(Time display_time) const override {
+  [[nodiscard]] StereoView locate_views(Time display_time) override {
     return head_.locate_views(display_time);
   }
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return play_.hidden; }

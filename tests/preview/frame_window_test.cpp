@@ -40,7 +40,7 @@ class StillHead final : public Runtime {
     now_ += kPeriod;
     return FrameTiming{now_, kPeriod};
   }
-  [[nodiscard]] StereoView locate_views(Time) const override {
+  [[nodiscard]] StereoView locate_views(Time) override {
     Headset headset;
     headset.eye_size = kEye;
     headset.fov.fill(field_of_view(1.5, 1));

@@ -41,7 +41,7 @@ class StillHead final : public Runtime {
     now_ += kPeriod;
     return FrameTiming{now_, kPeriod};
   }
-  [[nodiscard]] StereoView locate_views(Time) const override { return views_; }
+  [[nodiscard]] StereoView locate_views(Time) override { return views_; }
 
  private:
   StereoView views_;

@@ -57,6 +57,15 @@ Exposure exposure_of(const RunContext& context) {
 
 namespace {
 
+/// Locates the views of a frame again, unless they must stay: a request for exactly these views gets their
+/// depth. A request that waits for the device has a depth of its own.
+void locate_for_drawing(const RunContext& context, const ModePipeline& pipeline,
+                        const std::optional<FrameRequest>& request, FrameMoment& shown) {
+  if (context.locate == Locate::Once || pipeline.keeps_views()) return;
+  if (request && request->views == shown.views) return;
+  shown.views = context.runtime.locate_views(shown.display_time);
+}
+
 /// Hands a recorded frame to the device and the display, sends its request if that waits for the device, and
 /// waits for the oldest frame in flight. Returns the times of what the device did.
 DrawTimes finish_frame(const RunContext& context, ModePipeline& pipeline, const FrameInputs& inputs,
@@ -108,9 +117,9 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
 
     starts.request = clock.now();
     position.frame = next(position.frame);
-    const FrameMoment shown{position.frame, timing->display_time,
-                            position.scene_time.at(timing->display_time, settings.scene),
-                            context.runtime.locate_views(timing->display_time), settings.lights};
+    FrameMoment shown{position.frame, timing->display_time,
+                      position.scene_time.at(timing->display_time, settings.scene),
+                      context.runtime.locate_views(timing->display_time), settings.lights};
     SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     state.light_set.exposure = exposure_of(context);
     const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};
@@ -122,6 +131,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     if (context.link && context.link->refused()) return tl::unexpected(*context.link->refused());
 
     starts.draw = clock.now();
+    locate_for_drawing(context, pipeline, request, shown);
     const DrawnFrame drawn_frame = pipeline.draw(inputs);
     const DrawTimes drawn = finish_frame(context, pipeline, inputs, request, starts);
     const std::optional<FinishedPicture> finished = under_way.end(position.frame, starts, drawn);

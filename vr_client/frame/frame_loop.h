@@ -83,6 +83,12 @@ struct RunPosition {
   SceneTime scene_time;
 };
 
+/// When the views of a frame are located (Runtime::locate_views).
+enum class Locate : std::uint8_t {
+  Once,       ///< when the frame begins: it shows the views from which its request was predicted
+  ForDrawing  ///< again just before the picture is recorded, so that it shows the newest pose of the head
+};
+
 /// The parts of a run. The link or the tracer that the mode needs is set, unless no light casts shadows.
 struct RunContext {
   const Scene& scene;
@@ -94,6 +100,7 @@ struct RunContext {
   const FrameSettings& settings;     ///< read when a frame begins
   Exposure exposure{};               ///< unless the server's Welcome says another
   MaskPolicy policy;
+  Locate locate = Locate::Once;
   const Clock& clock = kSteadyClock;  ///< times the stages: StageStarts
 };
 

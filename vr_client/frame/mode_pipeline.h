@@ -71,6 +71,10 @@ class ModePipeline {
   /// Receives answers, or traces. The default does nothing.
   virtual void collect(const FrameInputs&) {}
 
+  /// The picture must show the views that `request` and `collect` got. Otherwise `draw` may get others, which
+  /// were located after these calls.
+  [[nodiscard]] virtual bool keeps_views() const { return false; }
+
   /// Records the picture, which stays in the renderer.
   virtual DrawnFrame draw(const FrameInputs& inputs) = 0;
 

@@ -22,6 +22,9 @@ class Full final : public ModePipeline {
     if (context_.own_tracer != nullptr) mask_.emplace(context_.own_tracer->trace(inputs.shown));
   }
 
+  /// The mask was traced for them.
+  [[nodiscard]] bool keeps_views() const override { return true; }
+
   DrawnFrame draw(const FrameInputs& inputs) override {
     Reprojection reprojection = inputs.settings.reprojection;
     reprojection.lookup = Lookup::Direct;

@@ -37,13 +37,16 @@ class OpenXrRuntime final : public HeadsetRuntime {
 
   [[nodiscard]] Expected<void> open() { return session_.open(); }
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
-  [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  [[nodiscard]] StereoView locate_views(Time display_time) override;
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const override {
     return session_.hidden() == PerEye<HiddenArea>{} ? nullptr : &session_.hidden();
   }
   void add_output(const gpu::Recorder& append) override;
   void end_frame(Time display_time) override;
-  void leave_device() override { session_.leave_device(); }
+  void leave_device() override {
+    is_shown_ = false;
+    session_.leave_device();
+  }
   void take_device(const gpu::Image& shown) override {
     shown_ = &shown;
     session_.take_device();
@@ -70,8 +73,9 @@ class OpenXrRuntime final : public HeadsetRuntime {
   HeadsetSetup setup_;
   const gpu::Image* shown_;  ///< not used while there is no device
   HeadsetSession session_;
-  XrFrameState frame_{};  ///< the frame that has begun last
-  std::optional<Located> located_;
+  XrFrameState frame_{};            ///< the frame that has begun last
+  std::optional<Located> located_;  ///< the views that the frame shows
+  bool is_shown_ = false;           ///< unless a call has failed since the frame began
   std::optional<Rigid<Stage, Tracked>> stage_from_tracked_;  ///< empty until a head is seen
   Output output_ = Output::None;                             ///< of the frame that has begun, recorded
   BlockingCalls blocking_;                                   ///< xrWaitFrame
@@ -109,7 +113,8 @@ OpenXrRuntime::Frame OpenXrRuntime::begin_frame() {
   if (frame_.shouldRender &&
       !session_.fine(session_.current().locate(frame_.predictedDisplayTime, located_), "xrLocateViews"))
     return Frame::None;
-  if (located_) return Frame::Begun;
+  is_shown_ = located_.has_value();
+  if (is_shown_) return Frame::Begun;
   end_empty_frame();
   return Frame::None;
 }
@@ -159,9 +164,15 @@ OpenXrRuntime::Frame OpenXrRuntime::follow_hands() {
   return Frame::Begun;
 }
 
-StereoView OpenXrRuntime::locate_views(Time display_time) const {
+/// If the head is not seen any more, the views so far stay.
+StereoView OpenXrRuntime::locate_views(Time display_time) {
   check(display_time == this->display_time(), "views are those of the frame that has begun");
   check(located_ && stage_from_tracked_, "views are located after a frame has begun");
+  std::optional<Located> newest;
+  if (is_shown_)
+    is_shown_ =
+        session_.fine(session_.current().locate(frame_.predictedDisplayTime, newest), "xrLocateViews");
+  if (newest) located_ = newest;
   StereoView views;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     views[eye] = {*stage_from_tracked_ * located_->tracked_from_eye[eye], located_->fov[eye],
@@ -193,6 +204,7 @@ std::optional<vk::Image> OpenXrRuntime::next_image(const Swapchain& swapchain) {
 /// were submitted.
 void OpenXrRuntime::add_output(const gpu::Recorder& append) {
   output_ = Output::None;
+  if (!is_shown_) return;
   const Swapchain& pictures = session_.current().pictures();
   const Swapchain* const depths = setup_.depth ? session_.current().depths() : nullptr;
   const std::optional<vk::Image> picture = next_image(pictures);

@@ -47,8 +47,8 @@ class HeadsetRuntime : public Runtime {
   /// frames. Returns nothing when the session has ended or failed, or the user wants to end; `longest_exit`
   /// later also while xrWaitFrame blocks.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override = 0;
-  /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
-  [[nodiscard]] StereoView locate_views(Time display_time) const override = 0;
+  /// The views of the frame that has begun. The runtime predicts them for `display_time` in each call.
+  [[nodiscard]] StereoView locate_views(Time display_time) override = 0;
 
   /// The device is lost: ends the session, which is bound to it. There are no frames until take_device.
   virtual void leave_device() = 0;

@@ -90,7 +90,7 @@ Rigid<Stage, Head> PreviewRuntime::recorded_head(Duration ahead) const {
   return setup_.recording->stage_from_recorded * head_at(head, head.start() + player_->position_after(ahead));
 }
 
-StereoView PreviewRuntime::locate_views(Time display_time) const {
+StereoView PreviewRuntime::locate_views(Time display_time) {
   check(display_time_.has_value(), "views are located after a frame has begun");
   return views_of(
       source_ == HeadSource::Recording ? recorded_head(display_time - *display_time_) : stage_from_head_,

@@ -112,7 +112,7 @@ class PreviewRuntime final : public Runtime {
 
   /// The simulated head has the pose of the current frame at every time, because its future is unknown. A
   /// recording is sampled at `display_time`. Call it only after the first wait_frame.
-  [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  [[nodiscard]] StereoView locate_views(Time display_time) override;
 
   /// The head pose at the display time of the current frame. Before the first frame: the initial pose.
   [[nodiscard]] const Rigid<Stage, Head>& stage_from_head() const { return stage_from_head_; }

@@ -102,7 +102,7 @@ std::optional<FrameTiming> Replay::wait_frame() {
   return frame_.input.timing;
 }
 
-StereoView Replay::locate_views(Time) const {
+StereoView Replay::locate_views(Time) {
   return frame_.input.views;
 }
 

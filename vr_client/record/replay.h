@@ -78,7 +78,7 @@ class Replay final : public Runtime {
   /// Returns nothing at the end of the file.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
   /// The captured views of the current frame, whatever the time.
-  [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  [[nodiscard]] StereoView locate_views(Time display_time) override;
 
   /// Null if the captured run had no server.
   [[nodiscard]] ServerConnection* link() { return link_ ? &*link_ : nullptr; }

@@ -36,7 +36,7 @@ std::optional<FrameTiming> RecordedHeadRuntime::wait_frame() {
   return FrameTiming{display_time(next_++), Duration(std::llround(1e9 / playback_.refresh_hz))};
 }
 
-StereoView RecordedHeadRuntime::locate_views(Time display_time) const {
+StereoView RecordedHeadRuntime::locate_views(Time display_time) {
   const Rigid<Stage, Head> stage_from_head =
       playback_.stage_from_recorded * head_at(recording_, display_time);
   return views_of(stage_from_head, {recording_.eye_distance_m, recording_.fov, playback_.eye_size});

@@ -27,7 +27,7 @@ class RecordedHeadRuntime final : public Runtime {
   RecordedHeadRuntime(const HeadRecording& recording, const HeadPlayback& playback);
 
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
-  [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  [[nodiscard]] StereoView locate_views(Time display_time) override;
 
   /// Number of display times that passed before their frame could begin (Pace::Real).
   [[nodiscard]] std::uint64_t skipped() const { return skipped_; }

@@ -28,8 +28,9 @@ class Runtime {
   /// Blocks until the next frame should begin (xrWaitFrame). Returns nothing at the end of the run.
   [[nodiscard]] virtual std::optional<FrameTiming> wait_frame() = 0;
 
-  /// Both eyes' views at `display_time` (xrLocateViews).
-  [[nodiscard]] virtual StereoView locate_views(Time display_time) const = 0;
+  /// Both eyes' views at `display_time` (xrLocateViews), as far as they are known now. A later call in the
+  /// same frame may know them better. A frame shows the views that were located last.
+  [[nodiscard]] virtual StereoView locate_views(Time display_time) = 0;
 
   /// What the lenses hide of the views of the frame that has begun. Null: nothing. Valid until the next
   /// wait_frame.

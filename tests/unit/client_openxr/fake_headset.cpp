@@ -115,11 +115,15 @@ bool FakeHeadset::show() {
   const std::optional<FrameTiming> timing = runtime->wait_frame();
   if (!timing) return false;
   shown.push_back(runtime->locate_views(timing->display_time));
+  submit(timing->display_time);
+  return true;
+}
+
+void FakeHeadset::submit(Time display_time) {
   gpu::FrameCommands frame(pictures()->device);
   runtime->add_output([&](const gpu::Recording& record) { frame.record(record); });
   frame.submit();
-  runtime->end_frame(timing->display_time);
-  return true;
+  runtime->end_frame(display_time);
 }
 
 void FakeHeadset::show_until(std::size_t most) {

@@ -37,6 +37,8 @@ class FakeHeadset : public testing::Test {
   [[nodiscard]] bool open(HeadsetSetup setup);
   /// Shows the next frame. False if there is none.
   bool show();
+  /// Records and submits the picture of the frame that has begun.
+  void submit(Time display_time);
   /// Shows frames until there are `most`, or there is no further one.
   void show_until(std::size_t most);
   void finish();

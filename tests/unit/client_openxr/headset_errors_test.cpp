@@ -167,6 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
                     FailingCall{"xrWaitFrame", 1, Then::ReplacesTheSession},
                     FailingCall{"xrWaitFrame", 3, Then::ReplacesTheSession},
                     FailingCall{"xrBeginFrame", 2, Then::ReplacesTheSession},
+                    FailingCall{"xrLocateViews", 1, Then::ReplacesTheSession},
                     FailingCall{"xrLocateViews", 2, Then::ReplacesTheSession},
                     FailingCall{"xrAcquireSwapchainImage", 3, Then::ReplacesTheSession},
                     FailingCall{"xrAcquireSwapchainImage", 4, Then::ReplacesTheSession},

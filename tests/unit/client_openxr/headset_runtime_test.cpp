@@ -18,6 +18,7 @@ using Calls = std::vector<std::string>;
 
 const Calls kFrameCalls{"xrWaitFrame",
                         "xrBeginFrame",
+                        "xrLocateViews",  // to know whether the head is seen
                         "xrLocateViews",
                         "xrAcquireSwapchainImage",
                         "xrWaitSwapchainImage",
@@ -121,6 +122,30 @@ TEST_F(HeadsetFrames, SubmitTheViewsThatTheyWereDrawnFor) {
   }
 }
 
+/// The head moves by 0.25 m after the frame has begun.
+TEST_F(HeadsetFrames, SubmitTheViewsThatWereLocatedLast) {
+  float moved_m = 0;
+  bool is_seen = true;
+  fake->frame = [&](XrTime) {
+    fake::Frame frame;
+    for (fake::View& view : frame.views) view.pose.position.x = moved_m;
+    frame.is_tracked = is_seen;
+    return frame;
+  };
+  ASSERT_TRUE(open(setup())) << error;
+  const Time time = runtime->wait_frame().value().display_time;
+  const StereoView first = runtime->locate_views(time);
+  moved_m = 0.25f;
+  const StereoView second = runtime->locate_views(time);
+  EXPECT_NEAR(middle(second).x - middle(first).x, 0.25, 1e-9);
+  moved_m = 9;
+  is_seen = false;
+  EXPECT_EQ(runtime->locate_views(time), second) << "the head is not seen any more";
+  submit(time);
+  ASSERT_EQ(fake->frames.size(), 1u);
+  for (const fake::SubmittedView& view : fake->frames[0].views) EXPECT_EQ(view.pose.position.x, 0.25f);
+}
+
 TEST_F(HeadsetFrames, MakeTheirCallsInTheOrderOfTheSpecification) {
   ASSERT_TRUE(open(setup())) << error;
   ASSERT_TRUE(show());
@@ -142,7 +167,7 @@ TEST_F(HeadsetFrames, HaveNoLayerIfTheRuntimeShowsNothing) {
   ASSERT_EQ(fake->frames.size(), 4u);
   for (std::size_t frame = 0; frame < 4; ++frame)
     EXPECT_EQ(fake->frames[frame].views.empty(), frame < 3) << frame;
-  EXPECT_EQ(fake->counts["xrLocateViews"], 1u);
+  EXPECT_EQ(fake->counts["xrLocateViews"], 2u);
   EXPECT_EQ(fake->counts["xrAcquireSwapchainImage"], 2u);
   EXPECT_EQ(runtime->counters().empty, 3u);
   EXPECT_EQ(runtime->counters().submitted, 1u);

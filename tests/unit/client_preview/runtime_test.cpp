@@ -298,7 +298,7 @@ TEST(PreviewRuntime, SimulatedHeadMovesByDisplayTime) {
 TEST(PreviewRuntime, SimulatedHeadHasOnePoseForAllTimes) {
   Desk desk;
   desk.controls->head = {.turn_px = {40, 0}, .walk = {0, 0, -1}};
-  const PreviewRuntime& runtime = desk.open();
+  PreviewRuntime& runtime = desk.open();
   desk.frame(3ms);
   const Time shown = desk.frame(3ms).display_time;
   EXPECT_EQ(runtime.locate_views(shown), runtime.locate_views(shown + 100ms));
@@ -307,7 +307,7 @@ TEST(PreviewRuntime, SimulatedHeadHasOnePoseForAllTimes) {
 
 TEST(PreviewRuntime, UsesTheHeadsetOfTheFrame) {
   Desk desk;
-  const PreviewRuntime& runtime = desk.open();
+  PreviewRuntime& runtime = desk.open();
   for (const double eye_distance_m : {0.063, 0.0, 0.2}) {
     const EyeFov fov = field_of_view(1 + eye_distance_m, 1.5);
     desk.controls->headset = {.eye_distance_m = eye_distance_m, .fov = {fov, fov}, .eye_size = {96, 64}};
@@ -368,7 +368,7 @@ TEST(PreviewRuntime, UsesTheSimulatedHeadWithoutARecording) {
 
 TEST(PreviewRuntimeDeathTest, ViewsNeedAFrame) {
   Desk desk;
-  const PreviewRuntime& runtime = desk.open();
+  PreviewRuntime& runtime = desk.open();
   EXPECT_DEATH((void)runtime.locate_views(kNow), "frame has begun");
 }
 

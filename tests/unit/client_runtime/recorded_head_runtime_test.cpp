@@ -91,7 +91,7 @@ TEST(RecordedHeadRuntime, RealTimeShowsOrCountsEveryDisplayTime) {
 
 TEST(RecordedHeadRuntime, EyesAreOneEyeDistanceApartLeftEyeOnTheLeft) {
   const HeadRecording recording = walk();
-  const RecordedHeadRuntime runtime(recording, playback(72));
+  RecordedHeadRuntime runtime(recording, playback(72));
   for (const Duration after : {0ms, 300ms, 1000ms}) {
     const StereoView views = runtime.locate_views(kStart + after);
     const Point<Stage> right{views[1].stage_from_eye.translation};
@@ -114,7 +114,7 @@ TEST(RecordedHeadRuntime, CarriesTheRecordingToItsPlaceInTheStage) {
   const Rigid<Stage, Recorded> placed{rotation_exp({0, -1.57079632679, 0}), {100, 0, 50}};
   HeadPlayback elsewhere = playback(72);
   elsewhere.stage_from_recorded = placed;
-  const RecordedHeadRuntime runtime(recording, elsewhere);
+  RecordedHeadRuntime runtime(recording, elsewhere);
   const StereoView views = runtime.locate_views(kStart + 500ms);
   const glm::dvec3 head = (views[0].stage_from_eye.translation + views[1].stage_from_eye.translation) * 0.5;
   EXPECT_LT(glm::length(head - glm::dvec3(101, 1.6, 50)), 1e-9) << "ahead was turned to +x";
