@@ -8,7 +8,7 @@
 // Variants: DIRECT reads the newest mask at the shown pixel, in one pass. With SHADOW_MAPS (and DIRECT) visibilities
 // come from shadow maps (shadow_lookup.glsl). EASY is the first pass, SINGLE the one that needs no other; without these,
 // the shader is the second or third. FEW_LIGHTS: at most FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded
-// with. MOTION: some instances can move. Drivers remove what a constant leaves out only after they have inlined it: as a
+// with. VISIBILITY writes visibilities instead of a picture. MOTION: some instances can move. Drivers remove what a constant leaves out only after they have inlined it: as a
 // variant of the preprocessor, the first pass takes lavapipe 0.05 s to compile instead of 0.33 s, the second for few
 // lights 0.26 s instead of 0.42 s.
 // Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform
@@ -60,9 +60,7 @@ layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
 layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
 layout(std430, binding = 3) readonly buffer KnownBlocks { uint known_words[]; };
 layout(binding = FARSHADE_BINDING_SHOWN_DEPTH) uniform sampler2DArray shown_depths;  // layers: eyes
-layout(binding = 5) uniform sampler2DArray base_colors;
-layout(binding = 6) uniform usampler2DArray surfaces;
-layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
+layout(binding = FARSHADE_BINDING_SURFACES) uniform usampler2DArray surfaces;
 #ifndef DIRECT
 layout(binding = 8) uniform sampler2DArray cube_mask_depths;
 // Of each mask the depth of its views; layers: eyes. An array with an index that is not constant would make lavapipe
@@ -111,6 +109,7 @@ const uint kGroups = (kLights + 7) / 8, kQuads = FARSHADE_QUADS(kLights);
 #include "shaders/masks.glsl"
 #include "shaders/reproject.glsl"
 #include "shaders/report.glsl"
+#include "shaders/output.glsl"
 
 // The direction of an octahedral normal. Its length is not 1.
 vec3 unfolded(vec2 p) {
@@ -290,6 +289,7 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
 struct ShadedPixel {
   ivec2 pixel;
   uint record;  // of the report
+  bool wanted;
   Surface surface;
   Lookup found;
   vec3 p, n, plane;  // eye-relative, stage axes; the plane's normal has any length
@@ -319,21 +319,23 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
     if (kReport) shining += uint(shines);
   }
   report_visibility(at.record, group, k);
+  write_visibility(at.pixel, at.wanted, group, k);
   return irradiance;
 }
 
-// The light that the surface at a pixel reflects. `record` is that of the report; `listed`: the pixel is listed if it is
-// hard.
-vec3 reflected(ivec2 pixel, float depth, uint record, bool listed) {
+// The light that the surface at a pixel reflects. `record` is that of the report. Writes nothing, and lists no pixel, that
+// is not `wanted`.
+vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
   ShadedPixel at;
   at.pixel = pixel;
   at.record = record;
+  at.wanted = wanted;
   uvec2 stored = texelFetch(surfaces, ivec3(pixel, shown_eye), 0).xy;
   at.surface = surface_at(pixel, depth, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
     bool moved = kMoved && has_moved(0, at.surface.slot);
-    if (listed && (at.found.hard || moved))
+    if (wanted && (at.found.hard || moved))
       list_as_hard(pixel, at.surface.slot != 0u);
   }
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
@@ -359,7 +361,7 @@ vec3 reflected(ivec2 pixel, float depth, uint record, bool listed) {
   report_source(at.record, at.found.known, at.found.source, at.found.taken, shining);
 
   const float kInversePi = 0.31830988618;
-  return texelFetch(base_colors, ivec3(pixel, shown_eye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
+  return base_color(pixel) * (irradiance * kInversePi + frame.ambient.rgb);
 }
 
 // Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
@@ -368,12 +370,13 @@ void shade(ivec2 pixel, bool wanted) {
   bool covered = depth != 0.0;
   uint record = report_record(pixel, wanted);
   if (!covered) report_uncovered(record);
+  if (!covered) write_uncovered(pixel, wanted);
   vec3 color = frame.background.rgb;
   if (kPass != FARSHADE_PASS_SINGLE || covered) {
     vec3 surface = reflected(pixel, covered ? depth : 1.0, covered ? record : kNoRecord, wanted && covered);
     color = mix(color, surface, bvec3(covered));
   }
-  if (wanted) imageStore(shown, ivec3(pixel, shown_eye), vec4(srgb(color), 1.0));
+  write_picture(pixel, wanted, srgb(color));
 }
 
 void main() {

@@ -17,8 +17,11 @@
 // For at most so many lights, a variant of HARD, MOVING and SINGLE filters the edges of each light on its own.
 #define FARSHADE_FEW_LIGHTS 4
 
-// Bindings of depth images, which change from frame to frame.
+// Bindings of images. Those of depth change from frame to frame, and the others if they are not ours.
 #define FARSHADE_BINDING_SHOWN_DEPTH 4
+#define FARSHADE_BINDING_BASE_COLORS 5
+#define FARSHADE_BINDING_SURFACES 6
+#define FARSHADE_BINDING_OUTPUT 7
 #define FARSHADE_BINDING_MASK_DEPTHS 9  // and the next ones, of each mask
 
 // Ids of the specialisation constants.

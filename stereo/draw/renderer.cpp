@@ -4,14 +4,13 @@
 #include <iterator>
 #include <vector>
 
-#include "stereo/draw/cube_mask_faces.h"
+#include "stereo/draw/mask_passes.h"
 #include "stereo/draw/read_back.h"
 #include "stereo/gpu/frame_commands.h"
 #include "stereo/gpu/frames_in_flight.h"
 #include "stereo/plan/plan_masks.h"
 #include "stereo/raster/gbuffer_transfer.h"
 #include "stereo/raster/mesh_streams.h"
-#include "stereo/reproject/request_reprojection_pass.h"
 #include "stereo/reproject/shading.h"
 #include "stereo/reproject/timewarp_pass.h"
 
@@ -45,26 +44,6 @@ class AddedTime {
   Stopwatch watch_;
 };
 
-std::optional<CubeMaskFaces> faces_of(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan,
-                                      const SceneBuffers& buffers, const gpu::UploadBuffer& frame,
-                                      Extent size, const std::shared_ptr<ScenePipelines>& pipelines) {
-  if (most_cube_mask_pairs(plan) == 0) return std::nullopt;
-  return std::optional<CubeMaskFaces>(std::in_place, frames, scene, plan, buffers, frame, size, pipelines);
-}
-
-/// A mask of the views of a request of which nothing is known.
-OwnedMask unknown_mask(const FrameMoment& request, MaskLayout layout) {
-  OwnedMask mask{.frame = {request.frame, request.lights.revision, request.views, {}},
-                 .display_time = request.display_time,
-                 .scene_time = request.scene_time};
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const Extent size = request.views[eye].size;
-    mask.frame.masks[eye] = EyeMask(size, layout);
-    mask.received_tiles[eye].assign(TileGrid{size}.count(), 0);
-  }
-  return mask;
-}
-
 class VulkanRenderer final : public Renderer {
  public:
   VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
@@ -89,10 +68,8 @@ class VulkanRenderer final : public Renderer {
   void submit() override;
   DrawTimes finish() override;
   void discard_times() override;
-  void forget() override;
-  [[nodiscard]] bool has_depth(FrameId frame) const override {
-    return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
-  }
+  void forget() override { masks_.forget(); }
+  [[nodiscard]] bool has_depth(FrameId frame) const override { return masks_.has_depth(frame); }
   [[nodiscard]] const gpu::Image& shown() const override { return shading_.shown(); }
   [[nodiscard]] ShownDepth shown_depth() const override { return {*shown_depth_.image, shown_depth_.layer}; }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() override;
@@ -130,12 +107,9 @@ class VulkanRenderer final : public Renderer {
       Part part,
       const std::function<void(const vk::raii::CommandBuffer&, const std::function<void()>&)>& stages);
   void place_depth(const ShownFrame& frame);
-  void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
   void record_picture(const ShownFrame& frame, Stage stage);
-  [[nodiscard]] Motion motion_since(const TracedMask& mask, const SceneState& now);
-  RequestReprojectionPass& need_request_reprojection();
   TimewarpPass& need_timewarp();
   void record_timewarp(const StereoView& from, const StereoView& shown, TimewarpPass::Source source,
                        TimewarpPass::Effect effect);
@@ -147,24 +121,17 @@ class VulkanRenderer final : public Renderer {
   Extent size_, traced_size_;
   gpu::FramesInFlight frames_;
   SceneBuffers buffers_;
-  MotionModel motion_;
   gpu::UploadBuffer frame_buffer_;  ///< one FrameData for all passes
   gpu::Image own_depth_image_;
   DepthPlace own_depth_;  ///< for shown views that differ from those of the frame's request
-  DepthRing ring_;
-  std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
-  std::optional<CubeMaskFaces> faces_;  ///< set if the plan has a cube mask
+  MaskPasses masks_;
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
-  std::optional<DepthPass> depth_pass_;    ///< created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
-  const ShadingBytes bytes_;
-  DeviceMasks masks_;
   ShadingPass shading_;
-  std::optional<RequestReprojectionPass> request_reprojection_;  ///< created at first use
-  std::optional<TimewarpPass> timewarp_;                         ///< created at first use
-  DepthPlace shown_depth_;                                       ///< of the last drawn frame
-  std::optional<DepthPlace> requested_depth_;                    ///< set if the depth pass must draw
+  std::optional<TimewarpPass> timewarp_;       ///< created at first use
+  DepthPlace shown_depth_;                     ///< of the last drawn frame
+  std::optional<DepthPlace> requested_depth_;  ///< set if the depth pass must draw
   ReadBack read_back_;
   gpu::Timestamps stamps_;
   std::vector<Frame> in_flight_;              ///< by place
@@ -181,20 +148,16 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       traced_size_(limits.traced_size),
       frames_(device, limits.frames),
       buffers_(make_scene_buffers(frames_, scene, plan_, levels)),
-      motion_(scene, plan_.moves),
       frame_buffer_(gpu::make_upload_buffer(frames_, sizeof(gpu::FrameData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "frame",
                                             gpu::Use::Frame)),
       own_depth_image_(make_depth_image(device, limits.traced_size, 1, "depth of shown views")),
       own_depth_(made_readable(device, own_depth_image_)),
-      ring_(device, limits.traced_size, limits.depth_frames, DepthImages::Single),
-      faces_(faces_of(frames_, scene, plan_, buffers_, frame_buffer_, limits.size, depth_pipelines_)),
+      masks_(frames_, scene, plan_, buffers_, frame_buffer_, limits, own_depth_),
       gbuffer_(frames_, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(frames_, gbuffer_, limits.size),
-      bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
-      masks_(frames_, plan_, bytes_),
-      shading_(frames_, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr, own_depth_}, masks_,
-               frame_buffer_, motion_, bytes_, limits.size),
+      shading_(frames_, plan_, &gbuffer_, masks_.depths(), masks_.masks(), frame_buffer_, masks_.motion(),
+               shading_bytes(plan_, limits.size, limits.traced_size), limits.size),
       shown_depth_(own_depth_),
       read_back_(device),
       stamps_(device, narrow<std::uint32_t>(frames_.count()) * kAllStamps),
@@ -202,7 +165,6 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       commands_(device) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "traced views may be as large as shown views");
-  if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
 }
 
 /// A frame has one part of each kind. Another one waits for the first.
@@ -278,10 +240,6 @@ void VulkanRenderer::discard_times() {
   now() = {};
 }
 
-void VulkanRenderer::make_depth_pass() {
-  depth_pass_.emplace(frames_, scene_, plan_, buffers_, frame_buffer_, depth_pipelines_);
-}
-
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
 void VulkanRenderer::place_depth(const ShownFrame& frame) {
   requested_depth_.reset();
@@ -292,27 +250,19 @@ void VulkanRenderer::place_depth(const ShownFrame& frame) {
                     frame.request->scene_time == frame.state.scene_time &&
                     (frame.hidden == nullptr || !plan_.depth_pass);
   if (!same && !plan_.depth_pass) return;
-  const std::optional<DepthPlace> place = ring_.claim(frame.request->frame, frame.request_slot);
+  const std::optional<DepthPlace> place = masks_.ring().claim(frame.request->frame, frame.request_slot);
   if (!place) return;
   if (same) {
     shown_depth_ = *place;
     return;
   }
   requested_depth_ = place;
-  if (!depth_pass_) make_depth_pass();
   PerEye<HiddenArea> hidden;
   if (frame.hidden != nullptr) hidden = hidden_in_request(*frame.hidden, frame.views, frame.request->views);
-  depth_pass_->prepare(frame.request->views,
-                       plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state,
-                       frame.detail, &hidden);
-}
-
-/// What has moved since a mask was traced.
-Motion VulkanRenderer::motion_since(const TracedMask& mask, const SceneState& now) {
-  const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, now.scene_time);
-  if (!moves && mask.light_set_revision == now.light_set.revision) return {};
-  return motion_.between(state_at(scene_, mask.scene_time, up_to(now.light_changes, mask.light_set_revision)),
-                         now);
+  masks_.need_depth_pass().prepare(
+      frame.request->views,
+      plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state, frame.detail,
+      &hidden);
 }
 
 /// Selects the usable masks and prepares the shading pass with them.
@@ -323,16 +273,8 @@ void VulkanRenderer::prepare_shading(const ShownFrame& frame) {
     shading_.prepare(shown_depth_, frame.views, frame.state.light_set, maps);
     return;
   }
-  MasksInUse masks;
-  const bool is_direct = frame.reprojection.lookup == Lookup::Direct || !reprojects_masks(plan_);
-  for (const TracedMask& mask : frame.masks)
-    if (masks.views.size() < most_masks(plan_) && (is_direct || ring_.has(mask.frame)))
-      masks.views.push_back({mask, motion_since(mask, frame.state)});
-  if (reprojects_masks(plan_)) ring_.give_back_unused(frame.masks, most_masks(plan_));
-  for (const TracedMask& mask : frame.cube_mask)
-    if (masks.cube_mask.size() < most_cube_mask_pairs(plan_) && !is_direct && faces_->ring().has(mask.frame))
-      masks.cube_mask.push_back({mask, motion_since(mask, frame.state)});
-  shading_.prepare(shown_depth_, frame.views, frame.state.light_set, masks, frame.reprojection);
+  const MasksInUse used = masks_.usable(frame.masks, frame.cube_mask, frame.state, frame.reprojection.lookup);
+  shading_.prepare(shown_depth_, frame.views, frame.state.light_set, used, frame.reprojection);
 }
 
 /// The existing shadow maps if their settings match, otherwise new ones.
@@ -345,17 +287,11 @@ ShadowMaps& VulkanRenderer::need_maps(const ShadowMapSettings& settings) {
   return *shadow_maps_;
 }
 
-void VulkanRenderer::forget() {
-  ring_.forget();
-  if (faces_) faces_->forget();
-  masks_.forget();
-}
-
 void VulkanRenderer::draw(const ShownFrame& frame) {
   const AddedTime added(now().times.total);
   make_way_for(Part::Picture);
   place_depth(frame);
-  if (faces_) faces_->prepare(frame);
+  if (masks_.faces()) masks_.faces()->prepare(frame);
   gbuffer_.prepare(frame.views, frame.state, frame.detail, frame.hidden);
   prepare_shading(frame);
   record_picture(frame, Stage::Both);
@@ -366,14 +302,14 @@ std::vector<std::function<void()>> VulkanRenderer::compile_steps(const Reproject
   if (plan_.anything_moves()) changes = Changes::Possible;
   collect_all();
   gbuffer_.prepare_warm_up();
-  if (plan_.depth_pass && !depth_pass_) make_depth_pass();
-  if (depth_pass_) depth_pass_->prepare_warm_up();
+  if (plan_.depth_pass) masks_.need_depth_pass().prepare_warm_up();
   frame_buffer_.write(0, gpu::FrameData{});  // pictures of no pixels
   std::vector<gpu::Recording> recordings{
       [this](const auto& commands) { gbuffer_.record(commands, own_depth_); }};
-  if (depth_pass_)
-    recordings.emplace_back([this](const auto& commands) { depth_pass_->record(commands, own_depth_); });
-  if (reprojects_masks(plan_)) recordings.push_back(need_request_reprojection().warm_up());
+  if (plan_.depth_pass)
+    recordings.emplace_back(
+        [this](const auto& commands) { masks_.need_depth_pass().record(commands, own_depth_); });
+  if (reprojects_masks(plan_)) recordings.push_back(masks_.need_reprojection().warm_up());
   std::ranges::copy(shading_.warm_ups(reprojection, report, changes), std::back_inserter(recordings));
   std::vector<std::function<void()>> steps;
   for (gpu::Recording& recording : recordings)  // one submission each, because each has a time limit
@@ -391,56 +327,38 @@ void VulkanRenderer::shade_again(const ShownFrame& frame) {
 void VulkanRenderer::keep_depth(const FrameMoment& request, std::size_t slot, PerEye<Image<float>>& into,
                                 const PerEye<HiddenArea>* hidden) {
   make_way_for(Part::Request);
-  const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
+  const std::optional<DepthPlace> place = masks_.ring().claim(request.frame, slot);
   if (!place) throw vk::OutOfDeviceMemoryError("the depth of a request");
-  if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full,
-                       hidden);
+  DepthPass& pass = masks_.need_depth_pass();
+  pass.prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full, hidden);
   record(Part::Request,
          [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
-           depth_pass_->record(commands, *place);
+           pass.record(commands, *place);
            next_stage();
          });
-  now().times.triangles.depth += depth_pass_->scene_pass().triangles();
+  now().times.triangles.depth += pass.scene_pass().triangles();
   read_distance(*place, request.views[0].size, into);
-}
-
-RequestReprojectionPass& VulkanRenderer::need_request_reprojection() {
-  if (!request_reprojection_) request_reprojection_.emplace(frames_, plan_, own_depth_, traced_size_);
-  return *request_reprojection_;
 }
 
 bool VulkanRenderer::reproject_to_request(const FrameMoment& request, std::size_t slot,
                                           const TracedMask* base, const PerEye<HiddenArea>* hidden) {
-  if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return false;
-  const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
-  if (!place || (base != nullptr && !ring_.has(base->frame))) return false;
-  std::optional<OwnedMask> unknown;
-  const TracedMask from =
-      base != nullptr ? *base : unknown.emplace(unknown_mask(request, plan_.mask)).traced();
-  const SceneState state = state_at(scene_, request.scene_time, request.lights);
-  Motion since = motion_since(from, state);
-  since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
   make_way_for(Part::Request);
-  if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
-  need_request_reprojection().prepare(request, {.requested = *place, .base = ring_.place_of(from.frame)},
-                                      from, state.light_set, since);
+  if (!masks_.prepare(request, slot, base, hidden)) return false;
   now().reprojects = true;
   reprojected_ = record(
       Part::Request, [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
-        depth_pass_->record(commands, *place);
+        masks_.record_depth(commands);
         next_stage();
-        request_reprojection_->record(commands);
+        masks_.record_reprojection(commands);
       });
-  now().times.triangles.depth += depth_pass_->scene_pass().triangles();
+  now().times.triangles.depth += masks_.need_depth_pass().scene_pass().triangles();
   return true;
 }
 
 void VulkanRenderer::read_reprojected(RequestReprojection& into) {
   check(reprojected_ > 0, "a mask has been reprojected");
   commands_.wait(reprojected_);
-  request_reprojection_->read(into);
+  masks_.read(into);
 }
 
 void VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
@@ -457,7 +375,7 @@ void VulkanRenderer::draw_received(const GBufferPlanes& planes, const ShownFrame
 
 void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
   const bool draws_depth = stage != Stage::Shade && requested_depth_.has_value();
-  const bool draws_faces = stage != Stage::Shade && faces_.has_value();
+  const bool draws_faces = stage != Stage::Shade && masks_.faces().has_value();
   record(Part::Picture,
          [&](const vk::raii::CommandBuffer& commands, const std::function<void()>& next_stage) {
            if (stage == Stage::Received)
@@ -465,8 +383,8 @@ void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
            else if (stage != Stage::Shade)
              gbuffer_.record(commands, shown_depth_);
            next_stage();
-           if (draws_depth) depth_pass_->record(commands, *requested_depth_);
-           if (draws_faces) faces_->record(commands);
+           if (draws_depth) masks_.need_depth_pass().record(commands, *requested_depth_);
+           if (draws_faces) masks_.faces()->record(commands);
            next_stage();
            if (frame.shadow_maps != nullptr) shadow_maps_->record(commands);
            next_stage();
@@ -475,8 +393,8 @@ void VulkanRenderer::record_picture(const ShownFrame& frame, Stage stage) {
   now().draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
   DrawnTriangles& triangles = now().times.triangles;
   if (stage == Stage::Both) triangles.gbuffer += gbuffer_.scene_pass().triangles();
-  if (draws_depth) triangles.depth += depth_pass_->scene_pass().triangles();
-  if (draws_faces) triangles.depth += faces_->triangles();
+  if (draws_depth) triangles.depth += masks_.need_depth_pass().scene_pass().triangles();
+  if (draws_faces) triangles.depth += masks_.faces()->triangles();
   if (now().draws_maps) triangles.maps += shadow_maps_->scene_pass().triangles();
 }
 
@@ -564,20 +482,23 @@ DrawCounters VulkanRenderer::counters() const {
   DrawCounters counters{.pipelines = shading_.pipelines(),
                         .bindings = shading_.bindings(),
                         .lookups = shading_.lookups(),
-                        .mask_uploads = masks_.uploads(),
+                        .mask_uploads = masks_.masks().uploads(),
                         .memory = device_.ledger->read()};
   const auto add = [&](const ScenePass& pass, bool drawn) {
     counters.bindings += pass.bindings();
     if (drawn) counters.vertex_bytes_read += pass.vertex_bytes_read();
   };
   add(gbuffer_.scene_pass(), true);
-  counters.pipelines += depth_pipelines_->size();
+  counters.pipelines += masks_.depth_pipelines();
   counters.pipelines += gbuffer_.scene_pass().pipelines() + gbuffer_.hidden_pass().pipelines();
   counters.meshes_deformed = buffers_.deformed->deformed();
-  if (depth_pass_) counters.pipelines += depth_pass_->hidden_pass().pipelines();
-  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value());
-  for (std::size_t pair = 0; faces_ && pair < faces_->passes().size(); ++pair)
-    add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs());
+  if (const std::optional<DepthPass>& depth_pass = masks_.depth_pass()) {
+    counters.pipelines += depth_pass->hidden_pass().pipelines();
+    add(depth_pass->scene_pass(), requested_depth_.has_value());
+  }
+  const std::optional<CubeMaskFaces>& faces = masks_.faces();
+  for (std::size_t pair = 0; faces && pair < faces->passes().size(); ++pair)
+    add(faces->passes()[pair].scene_pass(), pair < faces->pairs());
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due());
     counters.pipelines += shadow_maps_->scene_pass().pipelines();
@@ -585,9 +506,9 @@ DrawCounters VulkanRenderer::counters() const {
     counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
     counters.map_layers_restored = shadow_maps_->layers_drawn().restored;
   }
-  if (request_reprojection_) {
-    counters.pipelines += request_reprojection_->pipelines();
-    counters.bindings += request_reprojection_->bindings();
+  if (masks_.reprojection()) {
+    counters.pipelines += masks_.reprojection()->pipelines();
+    counters.bindings += masks_.reprojection()->bindings();
   }
   if (timewarp_) {
     counters.pipelines += timewarp_->pipelines();

@@ -108,12 +108,9 @@ std::optional<QueueFamily> graphics_queue_family(const vk::raii::Instance& insta
   return found;
 }
 
-/// What the device lacks; empty if it is usable.
-std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                  const DeviceOptions& options) {
+/// What the device lacks of what every pass needs; empty if nothing.
+std::string lacks(const vk::raii::PhysicalDevice& physical) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
-  if (std::string(properties.deviceName).find(options.name_contains) == std::string::npos)
-    return "its name lacks '" + options.name_contains + "'";
   if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
   if (properties.limits.maxUniformBufferRange < kUniformRange_bytes)
     return "uniform buffers of " + std::to_string(properties.limits.maxUniformBufferRange) + " bytes, and " +
@@ -123,12 +120,20 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (!format.empty()) return format;
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
-  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer ||
-      (options.maker && !has_extension(physical, kLayeredDrawing)))
-    return "no layered drawing";
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer) return "no layered drawing";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
+  return {};
+}
+
+/// What the device lacks; empty if it is usable.
+std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
+                  const DeviceOptions& options) {
+  if (std::string(physical.getProperties().deviceName).find(options.name_contains) == std::string::npos)
+    return "its name lacks '" + options.name_contains + "'";
+  if (std::string lacking = lacks(physical); !lacking.empty()) return lacking;
+  if (options.maker && !has_extension(physical, kLayeredDrawing)) return "no layered drawing";
   if (must_present(options) && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
     return "no swapchains";
   if (!graphics_queue_family(instance, physical, options))
@@ -210,6 +215,42 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, const Qu
   return vk::raii::Device(physical, info);
 }
 
+/// Fills what the fields of `device` say of its physical device.
+void read_limits(Device& device) {
+  const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
+  device.name = properties.deviceName.data();
+  device.is_cpu = properties.deviceType == vk::PhysicalDeviceType::eCpu;
+  device.timestamp_period_ns = properties.limits.timestampPeriod;
+  device.max_allocations = properties.limits.maxMemoryAllocationCount;
+  device.max_image_side_px = properties.limits.maxImageDimension2D;
+  device.max_image_layers = properties.limits.maxImageArrayLayers;
+  device.max_storage_bytes = properties.limits.maxStorageBufferRange;
+  device.max_groups = {properties.limits.maxComputeWorkGroupCount[0],
+                       properties.limits.maxComputeWorkGroupCount[1]};
+  device.max_allocation_bytes =
+      device.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties>()
+          .get<vk::PhysicalDeviceVulkan11Properties>()
+          .maxMemoryAllocationSize;
+  device.memory = device.physical.getMemoryProperties();
+}
+
+vk::raii::CommandPool make_command_pool(const Device& device) {
+  return device.logical.createCommandPool(
+      {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
+}
+
+/// Makes a function of Vulkan do nothing.
+template <class Result, class... Arguments>
+void silence(Result(VKAPI_PTR*& function)(Arguments...)) {
+  function = [](Arguments...) { return Result(); };
+}
+
+/// The namespace of the type depends on the version of the Vulkan headers.
+template <class Dispatcher>
+Dispatcher& writable(const Dispatcher* functions) {
+  return const_cast<Dispatcher&>(*functions);
+}
+
 }  // namespace
 
 void ValidationLog::add(std::string message) {
@@ -243,27 +284,13 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
                                     (passed_over.empty() ? std::string("none found") : passed_over) +
                                     "); install a driver, for example Debian's mesa-vulkan-drivers");
   device.physical = std::move(taken->physical);
-  const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
-  device.name = properties.deviceName.data();
-  device.is_cpu = properties.deviceType == vk::PhysicalDeviceType::eCpu;
+  read_limits(device);
   device.why = options.maker   ? "that of the headset"
                : device.is_cpu ? "no GPU was usable, drawing on the CPU"
                                : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   // A driver that draws on the CPU does not hang, but shares the cores with all other programs.
   device.timeout_ns = device.is_cpu ? 10 * options.timeout_ns : options.timeout_ns;
-  device.timestamp_period_ns = properties.limits.timestampPeriod;
-  device.max_allocations = properties.limits.maxMemoryAllocationCount;
-  device.max_image_side_px = properties.limits.maxImageDimension2D;
-  device.max_image_layers = properties.limits.maxImageArrayLayers;
-  device.max_storage_bytes = properties.limits.maxStorageBufferRange;
-  device.max_groups = {properties.limits.maxComputeWorkGroupCount[0],
-                       properties.limits.maxComputeWorkGroupCount[1]};
-  device.max_allocation_bytes =
-      device.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties>()
-          .get<vk::PhysicalDeviceVulkan11Properties>()
-          .maxMemoryAllocationSize;
-  device.memory = device.physical.getMemoryProperties();
   const QueueFamily family = *graphics_queue_family(device.instance, device.physical, options);
   device.queue_family = family.index;
   device.timestamp_bits = family.timestamp_bits;
@@ -271,8 +298,7 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
   device.logical = make_logical(device.physical, family, options);
   device.timelines = !options.maker;
   device.queue = device.logical.getQueue(device.queue_family, 0);
-  device.commands = device.logical.createCommandPool(
-      {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
+  device.commands = make_command_pool(device);
   return device;
 } catch (const std::exception& error) {
   if (wanted.maker)
@@ -282,21 +308,32 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
 }
 
-namespace {
-
-/// Makes a function of Vulkan do nothing.
-template <class Result, class... Arguments>
-void silence(Result(VKAPI_PTR*& function)(Arguments...)) {
-  function = [](Arguments...) { return Result(); };
+Expected<Device> adopt_device(const ForeignDevice& foreign) try {
+  Device device;
+  device.instance = vk::raii::Instance(device.context, foreign.instance);
+  // Both tables of functions are ours alone, so the owner still destroys what it owns.
+  silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
+  device.physical = vk::raii::PhysicalDevice(device.instance, foreign.physical);
+  if (const std::string lacking = lacks(device.physical); !lacking.empty())
+    return fail(Fault::Missing, std::string(device.physical.getProperties().deviceName.data()) +
+                                    " cannot be used: " + lacking);
+  const auto families = device.physical.getQueueFamilyProperties();
+  const vk::QueueFlags required = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+  if (foreign.queue_family >= families.size() ||
+      (families[foreign.queue_family].queueFlags & required) != required)
+    return fail(Fault::Missing, "the queue family does not draw and compute");
+  device.logical = vk::raii::Device(device.physical, foreign.logical);
+  silence(writable(device.logical.getDispatcher()).vkDestroyDevice);
+  device.queue_family = foreign.queue_family;
+  device.timestamp_bits = families[foreign.queue_family].timestampValidBits;
+  device.queue = vk::raii::Queue(device.logical, foreign.queue);
+  read_limits(device);
+  device.why = "that of another renderer";
+  device.commands = make_command_pool(device);
+  return device;
+} catch (const vk::SystemError& error) {
+  return fail(Fault::Missing, std::string("the device cannot be used: ") + error.what());
 }
-
-/// The namespace of the type depends on the version of the Vulkan headers.
-template <class Dispatcher>
-Dispatcher& writable(const Dispatcher* functions) {
-  return const_cast<Dispatcher&>(*functions);
-}
-
-}  // namespace
 
 /// Handles are destroyed by destructors, also of objects that an exception leaves behind half made. All of
 /// them call the device's table of functions. At the end of the program the driver's threads may still run,

@@ -13,6 +13,7 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device_options.h"
+#include "stereo/gpu/foreign_device.h"
 #include "stereo/gpu/formats.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/gpu/recording.h"
@@ -75,6 +76,10 @@ struct Device {
 /// The best device that `options` allow. Fault::Missing if there is none; the error names what each device
 /// lacks.
 [[nodiscard]] Expected<Device> open_device(const DeviceOptions& options);
+
+/// Uses a device without owning it: it must outlive the result, which destroys only what was made on it.
+/// Fault::Missing if it lacks something; the error names what.
+[[nodiscard]] Expected<Device> adopt_device(const ForeignDevice& foreign);
 
 /// Names `handle` in validation messages and debuggers. Does nothing when validation is off.
 template <class Handle>

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 namespace farshade::gpu {
-namespace {
 
-/// Frames and parts use the same images and buffers.
 void wait_for_earlier(const vk::raii::CommandBuffer& commands) {
   const vk::MemoryBarrier2 all{
       .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
@@ -14,8 +12,6 @@ void wait_for_earlier(const vk::raii::CommandBuffer& commands) {
       .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &all});
 }
-
-}  // namespace
 
 FrameCommands::FrameCommands(const Device& device) : device_(device) {
   if (!device.timelines) return;

@@ -10,6 +10,10 @@
 
 namespace farshade::gpu {
 
+/// What is recorded next begins when everything before it has finished: frames and parts use the same images
+/// and buffers.
+void wait_for_earlier(const vk::raii::CommandBuffer& commands);
+
 class FrameCommands {
  public:
   /// Parts count from 1 on, over all frames; 0 is a part that has always finished.

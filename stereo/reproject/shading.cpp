@@ -77,7 +77,7 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 
 }  // namespace
 
-ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass& gbuffer,
+ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass* gbuffer,
                          const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
                          const MotionModel& motion, const ShadingBytes& bytes, Extent size)
     : frames_(frames),
@@ -92,6 +92,7 @@ ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, cons
       pipelines_(device_, plan, motion.slot_count() > 0) {
   check(fits_dispatches(size, device_.max_groups), "the device allows the workgroups of a picture");
   make_buffers(motion);
+  if (gbuffer != nullptr) make_picture();
   nearest_ = device_.logical.createSampler({});
   for (std::size_t place = 0; place < frames.count(); ++place) frame_sets_.push_back(make_set(gbuffer));
   if (!plan.builds_late) make_all_pipelines();
@@ -115,6 +116,9 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
                                                vk::BufferUsageFlagBits::eTransferDst |
                                                vk::BufferUsageFlagBits::eIndirectBuffer,
                                            "hard pixels", gpu::Use::Lists);
+}
+
+void ShadingPass::make_picture() {
   shown_ = gpu::make_image(device_,
                            {.size = size_,
                             .layers = kEyes,
@@ -128,17 +132,22 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
   });
 }
 
-ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass& gbuffer) const {
+ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass* gbuffer) const {
   FrameSet set{gpu::make_bindings(device_, shading_set(plan_, bytes_), "shading")};
   const gpu::Bindings& bindings = set.bindings;
   std::uint32_t binding = 0;
   for (const gpu::UploadBuffer* upload : {&std::as_const(frame_buffer_), &std::as_const(light_buffer_),
                                           &device_masks_.words(), &device_masks_.known_blocks()})
     gpu::bind_buffer(device_, bindings, binding++, upload->buffer());
-  check_eq(binding++, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
-  for (const gpu::Image* image : {&gbuffer.base_colors(), &gbuffer.surfaces()})
-    gpu::bind_image(device_, bindings, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_image(device_, bindings, binding++, {*shown_.view, Layout::eGeneral, nullptr});
+  check_eq(binding, std::uint32_t{FARSHADE_BINDING_SHOWN_DEPTH}, "binding of the shown depth");
+  if (gbuffer != nullptr) {
+    bind_texture(set, FARSHADE_BINDING_BASE_COLORS, *gbuffer->base_colors().view);
+    bind_texture(set, FARSHADE_BINDING_SURFACES, *gbuffer->surfaces().view);
+    gpu::bind_image(device_, bindings, FARSHADE_BINDING_OUTPUT, {*shown_.view, Layout::eGeneral, nullptr});
+  } else {
+    bind_texture(set, FARSHADE_BINDING_BASE_COLORS, depths_.any.view);  // lavapipe needs all bound
+  }
+  binding = FARSHADE_BINDING_OUTPUT + 1;
   if (reprojects_masks(plan_)) {
     // Without a cube mask its depth is not read.
     const gpu::Image& faces = depths_.faces ? depths_.faces->images().front() : *depths_.any.image;
@@ -290,6 +299,7 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
           .reports = report == PixelReport::On,
+          .visibility = writes_visibilities(),
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || reprojection_.gaps == Gaps::Neighbours,
           .filters_edges = direct || reprojection_.edges != Edges::Nearest,
@@ -365,7 +375,7 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport re
   gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &motion_slots_, &motion_buffer_,
                                  &device_masks_.words(), &device_masks_.known_blocks()});
   bind_sets(commands, report);
-  gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
+  if (!writes_visibilities()) gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
     shade_all(commands, FARSHADE_PASS_DIRECT, report);
   } else if (plan_.passes == ShadingPasses::Single) {

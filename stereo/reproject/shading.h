@@ -35,11 +35,18 @@ struct MaskDepths {
   DepthPlace any;                    ///< bound for masks that a frame does not have
 };
 
+/// Images of another renderer, whose layers are the eyes. The pass reads its surfaces in layout
+/// ShaderReadOnlyOptimal, and writes visibilities in layout General (output.glsl).
+struct ForeignImages {
+  vk::ImageView surfaces, visibilities;
+};
+
 class ShadingPass {
  public:
   /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
-  /// that `prepare` fills. Keeps the references except `motion`.
-  ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass& gbuffer,
+  /// that `prepare` fills. Keeps the references except `motion` and `gbuffer`. Without a G-buffer (null) the
+  /// pass writes visibilities instead of a picture, and `bind_images` must come before each `record`.
+  ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass* gbuffer,
               const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
@@ -52,6 +59,9 @@ class ShadingPass {
   /// The same with shadows from `maps`, which must exist until `record` and be readable by shaders there.
   void prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                const ShadowMaps& maps);
+
+  /// What the next `record` reads and writes.
+  void bind_images(const ForeignImages& images);
 
   /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of
   /// them, because some drivers compile at the first dispatch. The FrameData has pictures of no pixels.
@@ -76,15 +86,17 @@ class ShadingPass {
   void make_all_pipelines();
   void assume_nothing();
   void make_buffers(const MotionModel& motion);
-  /// Set 0. Its depths differ from frame to frame.
+  void make_picture();
+  /// Set 0. Its depths differ from frame to frame, and so do images of another renderer.
   struct FrameSet {
     gpu::Bindings bindings;
-    std::map<std::uint32_t, vk::ImageView> depths{};  ///< by binding
+    std::map<std::uint32_t, vk::ImageView> textures{};  ///< by binding
   };
-  [[nodiscard]] FrameSet make_set(const GBufferPass& gbuffer) const;
+  [[nodiscard]] FrameSet make_set(const GBufferPass* gbuffer) const;
+  [[nodiscard]] bool writes_visibilities() const { return !*shown_.image; }
   [[nodiscard]] const FrameSet& set_now() const { return frame_sets_[frames_.place()]; }
   void bind_depths(FrameSet& set, const DepthPlace& shown, std::span<const DatedMask> masks) const;
-  void bind_depth(FrameSet& set, std::uint32_t binding, vk::ImageView view) const;
+  void bind_texture(FrameSet& set, std::uint32_t binding, vk::ImageView view) const;
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void write_faces(const StereoView& views, std::span<const DatedMask> cube_mask, gpu::FrameData& frame);
   void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
@@ -112,7 +124,7 @@ class ShadingPass {
   gpu::ReadbackBuffer report_buffer_;
   gpu::Buffer hard_buffer_;
   std::size_t motion_count_;  ///< of instances that can move
-  gpu::Image shown_;
+  gpu::Image shown_;          ///< null if the pass writes visibilities
   vk::raii::Sampler nearest_{nullptr};
   std::vector<FrameSet> frame_sets_;  ///< by place of the frame in flight
   gpu::Bindings report_bindings_;     ///< the last set; empty until a report is requested

@@ -7,28 +7,39 @@
 
 #include "shaders/shade_direct.comp.spv.h"
 #include "shaders/shade_direct_report.comp.spv.h"
+#include "shaders/shade_direct_visibility.comp.spv.h"
 #include "shaders/shade_easy.comp.spv.h"
 #include "shaders/shade_easy_motion.comp.spv.h"
 #include "shaders/shade_easy_motion_report.comp.spv.h"
+#include "shaders/shade_easy_motion_visibility.comp.spv.h"
 #include "shaders/shade_easy_report.comp.spv.h"
+#include "shaders/shade_easy_visibility.comp.spv.h"
 #include "shaders/shade_few.comp.spv.h"
 #include "shaders/shade_few_motion.comp.spv.h"
 #include "shaders/shade_few_motion_report.comp.spv.h"
+#include "shaders/shade_few_motion_visibility.comp.spv.h"
 #include "shaders/shade_few_report.comp.spv.h"
+#include "shaders/shade_few_visibility.comp.spv.h"
 #include "shaders/shade_hard.comp.spv.h"
 #include "shaders/shade_hard_motion.comp.spv.h"
 #include "shaders/shade_hard_motion_report.comp.spv.h"
+#include "shaders/shade_hard_motion_visibility.comp.spv.h"
 #include "shaders/shade_hard_report.comp.spv.h"
+#include "shaders/shade_hard_visibility.comp.spv.h"
 #include "shaders/shade_maps.comp.spv.h"
 #include "shaders/shade_maps_report.comp.spv.h"
 #include "shaders/shade_single.comp.spv.h"
 #include "shaders/shade_single_few.comp.spv.h"
 #include "shaders/shade_single_few_motion.comp.spv.h"
 #include "shaders/shade_single_few_motion_report.comp.spv.h"
+#include "shaders/shade_single_few_motion_visibility.comp.spv.h"
 #include "shaders/shade_single_few_report.comp.spv.h"
+#include "shaders/shade_single_few_visibility.comp.spv.h"
 #include "shaders/shade_single_motion.comp.spv.h"
 #include "shaders/shade_single_motion_report.comp.spv.h"
+#include "shaders/shade_single_motion_visibility.comp.spv.h"
 #include "shaders/shade_single_report.comp.spv.h"
+#include "shaders/shade_single_visibility.comp.spv.h"
 #include "stereo/reproject/shading.h"
 
 namespace farshade {
@@ -36,9 +47,9 @@ namespace {
 
 using SpirvWords = std::span<const std::uint32_t>;
 
-/// A shader, and the same with a report.
+/// A shader, the same with a report, and one that writes visibilities.
 struct Variants {
-  SpirvWords plain, reports;
+  SpirvWords plain, reports, visibility{};
 };
 
 /// A shader that reprojects masks, for scenes where nothing moves and for others.
@@ -46,16 +57,22 @@ struct MotionVariants {
   Variants still, moving;
 };
 
-const MotionVariants kEasy{{shade_easy_comp_spv, shade_easy_report_comp_spv},
-                           {shade_easy_motion_comp_spv, shade_easy_motion_report_comp_spv}},
-    kHard{{shade_hard_comp_spv, shade_hard_report_comp_spv},
-          {shade_hard_motion_comp_spv, shade_hard_motion_report_comp_spv}},
-    kFewLights{{shade_few_comp_spv, shade_few_report_comp_spv},
-               {shade_few_motion_comp_spv, shade_few_motion_report_comp_spv}},
-    kSingle{{shade_single_comp_spv, shade_single_report_comp_spv},
-            {shade_single_motion_comp_spv, shade_single_motion_report_comp_spv}},
-    kSingleFewLights{{shade_single_few_comp_spv, shade_single_few_report_comp_spv},
-                     {shade_single_few_motion_comp_spv, shade_single_few_motion_report_comp_spv}};
+const MotionVariants kEasy{
+    {shade_easy_comp_spv, shade_easy_report_comp_spv, shade_easy_visibility_comp_spv},
+    {shade_easy_motion_comp_spv, shade_easy_motion_report_comp_spv, shade_easy_motion_visibility_comp_spv}},
+    kHard{{shade_hard_comp_spv, shade_hard_report_comp_spv, shade_hard_visibility_comp_spv},
+          {shade_hard_motion_comp_spv, shade_hard_motion_report_comp_spv,
+           shade_hard_motion_visibility_comp_spv}},
+    kFewLights{
+        {shade_few_comp_spv, shade_few_report_comp_spv, shade_few_visibility_comp_spv},
+        {shade_few_motion_comp_spv, shade_few_motion_report_comp_spv, shade_few_motion_visibility_comp_spv}},
+    kSingle{{shade_single_comp_spv, shade_single_report_comp_spv, shade_single_visibility_comp_spv},
+            {shade_single_motion_comp_spv, shade_single_motion_report_comp_spv,
+             shade_single_motion_visibility_comp_spv}},
+    kSingleFewLights{
+        {shade_single_few_comp_spv, shade_single_few_report_comp_spv, shade_single_few_visibility_comp_spv},
+        {shade_single_few_motion_comp_spv, shade_single_few_motion_report_comp_spv,
+         shade_single_few_motion_visibility_comp_spv}};
 
 /// Of a pass that reprojects masks.
 const MotionVariants& motion_variants_of(std::uint32_t pass, std::uint32_t lights) {
@@ -67,14 +84,15 @@ const MotionVariants& motion_variants_of(std::uint32_t pass, std::uint32_t light
 
 Variants variants_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
   if (key.uses_maps()) return {shade_maps_comp_spv, shade_maps_report_comp_spv};
-  if (key.pass == FARSHADE_PASS_DIRECT) return {shade_direct_comp_spv, shade_direct_report_comp_spv};
+  if (key.pass == FARSHADE_PASS_DIRECT)
+    return {shade_direct_comp_spv, shade_direct_report_comp_spv, shade_direct_visibility_comp_spv};
   const MotionVariants& pass = motion_variants_of(key.pass, lights);
   return motion ? pass.moving : pass.still;
 }
 
 SpirvWords shader_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
   const Variants variants = variants_of(key, lights, motion);
-  return key.reports ? variants.reports : variants.plain;
+  return key.visibility ? variants.visibility : key.reports ? variants.reports : variants.plain;
 }
 
 std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& plan,

@@ -14,10 +14,11 @@ namespace farshade {
 
 /// What a pipeline is specialised for. Two dispatches with equal keys use one pipeline.
 struct ShadingKey {
-  std::uint32_t pass = 0;  ///< FARSHADE_PASS_*
-  bool reports = false;    ///< writes the report
-  bool other_eye = false;  ///< masks traced for the other eye are sources, too
-  bool neighbours = true;  ///< points that no view saw take bits from a neighbour
+  std::uint32_t pass = 0;   ///< FARSHADE_PASS_*
+  bool reports = false;     ///< writes the report
+  bool visibility = false;  ///< writes the visibility of each light instead of a picture
+  bool other_eye = false;   ///< masks traced for the other eye are sources, too
+  bool neighbours = true;   ///< points that no view saw take bits from a neighbour
   bool filters_edges = true;
   bool whole = false;                             ///< every tile of every mask in use is known
   bool moved = false;                             ///< something has moved since a mask in use was traced

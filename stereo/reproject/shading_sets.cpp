@@ -39,8 +39,8 @@ std::size_t ShadingPass::bindings() const {
   return set_now().bindings.kinds.size() + report_bindings_.kinds.size();
 }
 
-void ShadingPass::bind_depth(FrameSet& set, std::uint32_t binding, vk::ImageView view) const {
-  vk::ImageView& bound = set.depths[binding];
+void ShadingPass::bind_texture(FrameSet& set, std::uint32_t binding, vk::ImageView view) const {
+  vk::ImageView& bound = set.textures[binding];
   if (bound == view) return;
   bound = view;
   gpu::bind_image(device_, set.bindings, binding, {view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
@@ -50,13 +50,21 @@ void ShadingPass::bind_depth(FrameSet& set, std::uint32_t binding, vk::ImageView
 /// differs from the last frame with this set.
 void ShadingPass::bind_depths(FrameSet& set, const DepthPlace& shown,
                               std::span<const DatedMask> masks) const {
-  bind_depth(set, FARSHADE_BINDING_SHOWN_DEPTH, shown.view);
+  bind_texture(set, FARSHADE_BINDING_SHOWN_DEPTH, shown.view);
   if (!reprojects_masks(plan_)) return;
   for (std::uint32_t m = 0; m < kMaxMasks; ++m) {
     const bool has_depth = m < masks.size() && depths_.views.has(masks[m].mask.frame);
     const DepthPlace& place = has_depth ? depths_.views.place_of(masks[m].mask.frame) : depths_.any;
-    bind_depth(set, FARSHADE_BINDING_MASK_DEPTHS + m, place.view);
+    bind_texture(set, FARSHADE_BINDING_MASK_DEPTHS + m, place.view);
   }
+}
+
+void ShadingPass::bind_images(const ForeignImages& images) {
+  check(writes_visibilities(), "the pass has no images of its own");
+  FrameSet& set = frame_sets_[frames_.place()];
+  bind_texture(set, FARSHADE_BINDING_SURFACES, images.surfaces);
+  gpu::bind_image(device_, set.bindings, FARSHADE_BINDING_OUTPUT,
+                  {images.visibilities, vk::ImageLayout::eGeneral, nullptr});
 }
 
 void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,

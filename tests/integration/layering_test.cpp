@@ -64,6 +64,7 @@ std::vector<Layer> shared_layers() {
           {"stereo/shadow_maps", {"stereo/raster"}},
           {"stereo/reproject", {"stereo/shadow_maps"}},
           {"stereo/draw", {"stereo/reproject"}},
+          {"stereo/embed", {"stereo/draw"}},
           {"stereo/video", {"stereo/frame", "stereo/image"}},
           {"stereo/doctor", {"stereo/net", "stereo/scene"}},
           {"stereo/about", {}},

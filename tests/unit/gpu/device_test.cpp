@@ -52,6 +52,33 @@ TEST(SynchronisationChecks, FindAMissingBarrier) {
   EXPECT_NE(messages[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << messages[0];
 }
 
+TEST(AdoptedDevice, BelongsToItsOwner) {
+  const Expected<Device> owner = open_device({.name_contains = test_gpu()});
+  if (!owner) GTEST_SKIP() << "no Vulkan device";
+  ForeignDevice foreign{*owner->instance, *owner->physical, *owner->logical, *owner->queue,
+                        owner->queue_family};
+  constexpr std::size_t kBytes = 1024;
+  const auto write = [&](const Device& device) {
+    const Buffer written =
+        make_device_buffer(device, kBytes, vk::BufferUsageFlagBits::eTransferDst, "written");
+    run_now(device, [&](const vk::raii::CommandBuffer& commands) {
+      commands.fillBuffer(*written.buffer, 0, kBytes, 1);
+    });
+  };
+  {
+    const Expected<Device> adopted = adopt_device(foreign);
+    ASSERT_TRUE(adopted) << adopted.error().what;
+    EXPECT_EQ(adopted->name, owner->name);
+    EXPECT_EQ(adopted->max_storage_bytes, owner->max_storage_bytes);
+    write(*adopted);
+  }
+  write(*owner);
+  foreign.queue_family = 99;
+  const Expected<Device> refused = adopt_device(foreign);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().fault, Fault::Missing);
+}
+
 /// Queues count with 36 to 64 bits; what stands above them is undefined.
 TEST(Timestamps, CountOnWhereTheCounterBeginsAnew) {
   EXPECT_EQ(ticks_between(5, 12, 64), 7u);
