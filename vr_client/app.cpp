@@ -55,11 +55,11 @@ Expected<void> check_length(const Options& options, std::uint32_t frames) {
                           options.skip_s > 0 ? fmt::format(" after --skip {:g}", options.skip_s) : ""));
 }
 
-/// "183.2 MB on the device at most: vertices 12.3 MB, ...", with the uses that need memory.
+/// "183.2 MB on the device at most: vertices 12.3 MB, ...", with the uses that need memory of the device.
 std::string in_words(const gpu::BytesByUse& memory) {
   std::string text = megabytes(most_at_once(memory)) + " on the device at most";
   for (std::size_t i = 0; i < gpu::kUses; ++i)
-    if (const auto use = static_cast<gpu::Use>(i); memory[use] > 0)
+    if (const auto use = static_cast<gpu::Use>(i); memory[use] > 0 && use != gpu::Use::Uploads)
       text += fmt::format("{} {} {}", text.ends_with("most") ? ":" : ",", gpu::to_string(use),
                           megabytes(memory[use]));
   return text;

@@ -60,10 +60,12 @@ Mirror::Mirror(const Options& options, Client& client, std::unique_ptr<Window> w
     close(client.device.name + " cannot present on this desktop");
 }
 
-/// The window's failures are not the headset's. If the device is lost, the next frame of the headset says so.
+/// The window's failures are not the headset's, but a lost device is (run_frames.h).
 template <class Act>
 void Mirror::guard(const Act& act) try {
   act();
+} catch (const vk::DeviceLostError&) {
+  throw;
 } catch (const std::exception& error) {
   close(error.what());
 }
@@ -101,7 +103,12 @@ void Mirror::idle() {
 
 void Mirror::leave_device() {
   composition_.reset();
-  if (shown_) guard([&] { shown_->leave_device(); });
+  if (!shown_) return;
+  try {
+    guard([&] { shown_->leave_device(); });
+  } catch (const vk::DeviceLostError&) {
+    // It is lost anyway.
+  }
 }
 
 void Mirror::take_device() {

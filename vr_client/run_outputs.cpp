@@ -82,7 +82,7 @@ Expected<void> RunOutputs::finish(bool was_interrupted, const std::function<Expe
   if (report_) {
     if (was_interrupted) report_->mark_interrupted();
     for (const std::uint32_t dump : options_.dump)
-      if (dump == 0 || dump > report_->log().records().size())
+      if (dump == 0 || report_->log().records().empty() || dump > report_->log().records().back().frame.value)
         spdlog::warn("frame {} was not dumped, because it was not shown", dump);
     if (auto compared = compare_kept(); done) done = compared;
     report_->finish();

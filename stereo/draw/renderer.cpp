@@ -237,6 +237,7 @@ DrawTimes VulkanRenderer::finish() {
 void VulkanRenderer::discard_times() {
   if (now().last == 0) return;
   collect_all();
+  frames_.restart();
   now() = {};
 }
 

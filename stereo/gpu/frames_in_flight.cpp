@@ -17,11 +17,18 @@ FramesInFlight::FramesInFlight(const Device& device, std::size_t count) : device
   check(count > 0, "at least one frame exists");
 }
 
-/// A frame that needed several chunks gets one chunk. A chunk that something has not been copied from stays
-/// with what holds it.
 void FramesInFlight::next() {
   place_ = next_place();
-  Frame& frame = frames_[place_];
+  clear(frames_[place_]);
+}
+
+void FramesInFlight::restart() {
+  clear(frames_[place_]);
+}
+
+/// A frame that needed several chunks gets one chunk. A chunk of which a part must still be copied leaves the
+/// frame: the UploadBuffer holds it.
+void FramesInFlight::clear(Frame& frame) {
   frame.kept.clear();
   std::erase_if(frame.chunks, [](const Chunk& chunk) { return chunk.buffer.use_count() > 1; });
   const std::size_t bytes = bytes_of(frame);

@@ -1,7 +1,7 @@
-/// FramesInFlight: the host prepares a frame while the device still works on earlier ones. So whatever the
-/// host writes or changes every frame has a place for each of them: memory to write to (`take`), descriptor
-/// sets (pass.h), timestamps. What the device alone writes has one place, because it runs the frames one
-/// after the other.
+/// FramesInFlight: the host prepares a frame while the device still works on earlier ones. Things that the
+/// host writes or changes every frame exist once for each of these frames, each in the place of its frame:
+/// host memory (`take`), descriptor sets, timestamps. Things that only the device writes exist once, because
+/// the device runs the frames one after the other.
 #pragma once
 
 #include <cstddef>
@@ -30,12 +30,14 @@ class FramesInFlight {
 
   [[nodiscard]] const Device& device() const { return device_; }
   [[nodiscard]] std::size_t count() const { return frames_.size(); }
-  /// That of the frame which the host prepares, and that of the frame after it.
+  /// The places of the frame that the host prepares and of the next one.
   [[nodiscard]] std::size_t place() const { return place_; }
   [[nodiscard]] std::size_t next_place() const { return (place_ + 1) % count(); }
 
   /// Begins the next frame. The device has finished the frame that had `next_place` before.
   void next();
+  /// Begins the frame again. The device has finished what was recorded of it.
+  void restart();
 
   /// Memory that the host writes in this frame, at a multiple of 16 bytes. The device may read it until it
   /// has finished the frame.
@@ -56,6 +58,7 @@ class FramesInFlight {
     std::vector<Chunk> chunks;
     std::vector<std::shared_ptr<const void>> kept;
   };
+  void clear(Frame& frame);
   [[nodiscard]] static std::size_t bytes_of(const Frame& frame);
   [[nodiscard]] Chunk make_chunk(std::size_t bytes) const;
 

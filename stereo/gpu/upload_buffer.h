@@ -1,7 +1,7 @@
 /// UploadBuffer: a buffer of the device that the host writes every frame. The host writes to memory of its
-/// own frame (FramesInFlight), from which the device copies before it reads. So a frame that the device still
-/// works on is never disturbed, shaders read the device's own memory only, and it does not matter how much of
-/// that the host sees.
+/// own frame (FramesInFlight), and the device copies it from there to its own memory before it reads. So the
+/// host never disturbs a frame that the device still works on, shaders read only the device's memory, and
+/// the host need not see that memory.
 #pragma once
 
 #include <initializer_list>
@@ -22,8 +22,8 @@ class UploadBuffer {
   [[nodiscard]] const Buffer& buffer() const { return device_; }
   [[nodiscard]] std::size_t bytes() const { return device_.bytes; }
 
-  /// All elements, or some of them, to be written all of them: what a view shows has no content until then.
-  /// A later view of the same elements replaces an earlier one. Valid until the frame ends.
+  /// All elements, or some of them. The caller writes each element of the view; those it leaves out have any
+  /// content. A later view of the same elements replaces an earlier one. Valid until the frame ends.
   template <class T>
   [[nodiscard]] WriteOnly<T> view() {
     return view<T>(0, bytes() / sizeof(T));
@@ -64,7 +64,8 @@ class UploadBuffer {
                                               Use use = Use::Other);
 
 /// Copies to the device what was written since the last call. All commands after it read the new content, and
-/// all before it the old one. Not within a rendering.
+/// all before it the old one. Not within a rendering. If the recording throws afterwards, the content is
+/// lost.
 void record_uploads(const vk::raii::CommandBuffer& commands, std::span<const UploadBuffer* const> buffers);
 inline void record_uploads(const vk::raii::CommandBuffer& commands,
                            std::initializer_list<const UploadBuffer*> buffers) {

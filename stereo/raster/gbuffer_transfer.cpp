@@ -1,6 +1,7 @@
 #include "stereo/raster/gbuffer_transfer.h"
 
 #include <bit>
+#include <utility>
 
 namespace farshade {
 namespace {
@@ -133,7 +134,7 @@ void GBufferTransfer::prepare(const GBufferPlanes& planes) {
   }
 }
 
-void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const {
+void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) {
   const Layout at = layout();
   for (const Part& part : parts_of(gbuffer_, place, at.normals, at.depths)) {
     const auto target = ImageLayout::eTransferDstOptimal;
@@ -143,6 +144,7 @@ void GBufferTransfer::record(const vk::raii::CommandBuffer& commands, const Dept
     commands.copyBufferToImage(*planes_.buffer->buffer, *part.image.image, target, copy);
     gpu::transition(commands, part.image, target, ImageLayout::eShaderReadOnlyOptimal, part.layers);
   }
+  frames_.keep(std::exchange(planes_, {}).buffer);
 }
 
 }  // namespace farshade

@@ -29,7 +29,7 @@ class GBufferTransfer {
   void prepare(const GBufferPlanes& planes);
 
   /// Fills the images and `place` as if they had been drawn.
-  void record(const vk::raii::CommandBuffer& commands, const DepthPlace& place) const;
+  void record(const vk::raii::CommandBuffer& commands, const DepthPlace& place);
 
  private:
   /// Offsets in a buffer with both eyes' layers of all images.
@@ -44,7 +44,7 @@ class GBufferTransfer {
   const GBufferPass& gbuffer_;
   Extent size_;
   gpu::ReadbackBuffer readback_, pixel_;  ///< allocated at first use
-  gpu::HostMemory planes_;                ///< of the prepared frame
+  gpu::HostMemory planes_;                ///< that were prepared and not recorded yet
 };
 
 }  // namespace farshade

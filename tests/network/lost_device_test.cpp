@@ -150,11 +150,12 @@ class LostFrames : public testing::Test, public Runtime {
   std::unique_ptr<Renderer> renderer_;
   bool can_open_ = true;
   int most_opened_ = 1000, opened_ = 0;
+  std::uint32_t in_flight_ = 1;
   std::vector<std::uint32_t> shown_;
 
  private:
   static constexpr Extent kEye{16, 16};
-  void make() { renderer_ = make_renderer(device_, scene_, {kEye, kEye, 1}); }
+  void make() { renderer_ = make_renderer(device_, scene_, {kEye, kEye, 1, in_flight_}); }
 
   FrameSettings settings_;
   std::function<bool(std::uint32_t)> is_lost_in_;
@@ -166,6 +167,13 @@ TEST_F(LostFrames, AreLeftOut) {
   EXPECT_TRUE(done);
   EXPECT_EQ(shown_, (std::vector<std::uint32_t>{2, 3, 5, 6}));
   EXPECT_EQ(opened_, 2);
+}
+
+/// The frame before the lost one is in flight.
+TEST_F(LostFrames, AreLeftOutWithFramesInFlight) {
+  in_flight_ = 2;
+  EXPECT_TRUE(show([](std::uint32_t frame) { return frame == 1 || frame == 4; }, 6));
+  EXPECT_EQ(shown_, (std::vector<std::uint32_t>{2, 3, 5, 6}));
 }
 
 TEST_F(LostFrames, InARowGiveTheDeviceUp) {
@@ -197,7 +205,7 @@ TEST_F(LostFrames, EndTheRunIfNoDeviceCanBeOpened) {
   EXPECT_EQ(shown_.size(), 2u);
 }
 
-/// As in a headset, whose session is bound to the device.
+/// As in a replay.
 TEST_F(LostFrames, EndTheRunIfTheDeviceMustNotBeOpenedAgain) {
   can_open_ = false;
   const Expected<void> done = show([](std::uint32_t frame) { return frame == 3; }, 6);

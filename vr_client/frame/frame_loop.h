@@ -59,7 +59,7 @@ struct FrameView {
   CubeMaskCost cube_mask_cost{};
   std::optional<Time> silent_since{};         ///< ServerConnection::silent_since
   std::optional<LinkTraffic> traffic{};       ///< since the frame before was shown, or since the run began
-  std::optional<FinishedPicture> finished{};  ///< whose times on the device `times` has
+  std::optional<FinishedPicture> finished{};  ///< the device's times in `times` are those of this picture
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 

@@ -119,7 +119,9 @@ void HeadsetSession::abandon() {
   instance_.abandon();
 }
 
+/// A call that failed since the device was lost failed because of it.
 void HeadsetSession::leave_device() {
+  if (life_.ending == Ending::None) failed_.reset();
   end_session();
   give(SessionReplaced{});  // by none: it does not run
 }

@@ -29,7 +29,9 @@ constexpr ModeSet kMasks = in(Mode::Hybrid, Mode::ClientPositions),
                   kInFilesOnly = 0;
 
 constexpr const char *kByClient = "By the client's clock around the step, in each frame.",
-                     *kByDevice = "By time stamps of the graphics device around the pass, in each frame.",
+                     *kByDevice =
+                         "By time stamps of the graphics device around the pass, in each frame; with "
+                         "frames in flight, those of the newest frame that the device has finished.",
                      *kCounted = "Counted in each frame.",
                      *kByServer =
                          "By the server's clock, which its report of the answer carries; once for "
@@ -56,33 +58,43 @@ Figure stage(const char* name, Duration StageTimes::*time, ModeSet printed_in, c
           printed_in};
 }
 
+/// A stage on the device. With frames in flight the first frames have no value.
+Figure device_stage(const char* name, Duration StageTimes::*time, ModeSet printed_in, const char* meaning,
+                    const char* measured = kByDevice) {
+  Figure figure = stage(name, time, printed_in, meaning, measured);
+  figure.of = [time](const FrameRecord& r) -> Value {
+    const bool has_finished = r.times.frames_ago == 0 || r.times.ready > Duration::zero();
+    return has_finished ? Value(ms_of(r.times.*time)) : std::nullopt;
+  };
+  return figure;
+}
+
 std::vector<Figure> client_figures() {
   using T = StageTimes;
-  return {stage("frame", &T::frame, kAll,
-                "The client's work on a frame: request, collect masks and draw, without waiting for the "
-                "server or the display.",
-                kByClient),
-          stage("request", &T::request, kServed,
-                "Locating the views, animating the scene, predicting the views to ask for, and sending.",
-                kByClient),
-          stage("collect masks", &T::collect, kServed | in(Mode::Full),
-                "Decoding what has arrived; in mode full: tracing.", kByClient),
-          stage("draw", &T::total, kAll,
-                "Recording, uploads, all passes on the device and the wait for them.", kByClient),
-          stage("picture ready after", &T::ready, kAll,
-                "From the beginning of a frame until the device has finished its picture.", kByClient),
-          stage("G-buffer", &T::gbuffer, kDraws, "Drawing depth, normals and materials of the shown views.",
-                kByDevice),
-          stage("depth of requested views", &T::depth, kMasks,
-                "Drawing the depth of the views that are asked for.", kByDevice),
-          stage("carry over to requested views", &T::request_reprojection, in(Mode::Hybrid),
-                "Reprojecting the newest mask to the requested views, to find what to ask for.", kByDevice),
-          stage("shadow maps", &T::maps, in(Mode::Local), "Drawing the shadow maps that have changed.",
-                kByDevice),
-          stage("reproject and shade", &T::shade, kShades,
-                "Looking up the visibility of each light at each pixel, and shading.", kByDevice),
-          stage("turn", &T::timewarp, kPictures, "Turning a picture of the server to the shown views.",
-                kByDevice)};
+  return {
+      stage("frame", &T::frame, kAll,
+            "The client's work on a frame: request, collect masks and draw, without waiting for the "
+            "server or the display.",
+            kByClient),
+      stage("request", &T::request, kServed,
+            "Locating the views, animating the scene, predicting the views to ask for, and sending.",
+            kByClient),
+      stage("collect masks", &T::collect, kServed | in(Mode::Full),
+            "Decoding what has arrived; in mode full: tracing.", kByClient),
+      stage("draw", &T::total, kAll, "Recording, uploads, all passes on the device and the wait for them.",
+            kByClient),
+      device_stage("picture ready after", &T::ready, kAll,
+                   "From the beginning of a frame until the device has finished its picture.", kByClient),
+      device_stage("G-buffer", &T::gbuffer, kDraws,
+                   "Drawing depth, normals and materials of the shown views."),
+      device_stage("depth of requested views", &T::depth, kMasks,
+                   "Drawing the depth of the views that are asked for."),
+      device_stage("carry over to requested views", &T::request_reprojection, in(Mode::Hybrid),
+                   "Reprojecting the newest mask to the requested views, to find what to ask for."),
+      device_stage("shadow maps", &T::maps, in(Mode::Local), "Drawing the shadow maps that have changed."),
+      device_stage("reproject and shade", &T::shade, kShades,
+                   "Looking up the visibility of each light at each pixel, and shading."),
+      device_stage("turn", &T::timewarp, kPictures, "Turning a picture of the server to the shown views.")};
 }
 
 std::vector<Figure> triangle_figures() {

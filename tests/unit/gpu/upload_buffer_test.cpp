@@ -103,6 +103,15 @@ TEST_F(UploadBuffers, NeighboursAreOneCopyAndTakeMemoryOnce) {
   EXPECT_LE(host_bytes(), 2 * once) << "two frames in flight";
 }
 
+TEST_F(UploadBuffers, AFrameThatBeginsAgainUsesItsMemoryAgain) {
+  for (std::uint32_t word = 0; word < 400; ++word) {
+    fill(0, kElements, word);
+    EXPECT_EQ(content(), Words(kElements, word));
+    frames_->restart();
+  }
+  EXPECT_LE(host_bytes(), std::uint64_t{512} << 10) << "of 1.6 MB that were written";
+}
+
 /// What is copied only some frames later keeps its memory until then.
 TEST_F(UploadBuffers, NothingIsLostThatIsCopiedLate) {
   UploadBuffer other = make(kElements);
