@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "stereo/base/check.h"
+#include "stereo/gpu/device_options.h"
 #include "stereo/raster/frame_data.h"
 #include "tests/golden/foreign.frag.spv.h"
 #include "tests/golden/foreign.vert.spv.h"
