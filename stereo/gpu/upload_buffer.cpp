@@ -20,7 +20,8 @@ WriteOnly<std::byte> UploadBuffer::part(std::size_t first, std::size_t bytes) {
     const HostMemory& all = written_.back().memory;
     return HostMemory{all.buffer, all.offset + all.bytes - bytes, bytes}.view();
   }
-  return written_.emplace_back(first, frames_->take(bytes)).memory.view();
+  written_.push_back({first, frames_->take(bytes)});
+  return written_.back().memory.view();
 }
 
 /// What was written to these bytes is not copied.
