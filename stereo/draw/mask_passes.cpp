@@ -60,16 +60,30 @@ bool MaskPasses::prepare(const FrameMoment& request, std::size_t slot, const Tra
                          const PerEye<HiddenArea>* hidden) {
   if (!reprojects_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return false;
   const std::optional<DepthPlace> place = ring_.claim(request.frame, slot);
-  if (!place || (base != nullptr && !ring_.has(base->frame))) return false;
+  if (!place) return false;
+  try {
+    return prepare_at(*place, request, base, hidden);
+  } catch (...) {
+    ring_.release(request.frame);
+    throw;
+  }
+}
+
+bool MaskPasses::prepare_at(const DepthPlace& place, const FrameMoment& request, const TracedMask* base,
+                            const PerEye<HiddenArea>* hidden) {
+  if (base != nullptr && !ring_.has(base->frame)) {  // its depth was in this slot
+    ring_.release(request.frame);
+    return false;
+  }
   std::optional<OwnedMask> unknown;
   const TracedMask from =
       base != nullptr ? *base : unknown.emplace(unknown_mask(request, plan_.mask)).traced();
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
   Motion since = motion_since(from, state);
   since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
-  requested_ = *place;
+  requested_ = place;
   need_depth_pass().prepare(request.views, state, Detail::Levels, hidden);
-  need_reprojection().prepare(request, {.requested = *place, .base = ring_.place_of(from.frame)}, from,
+  need_reprojection().prepare(request, {.requested = place, .base = ring_.place_of(from.frame)}, from,
                               state.light_set, since);
   return true;
 }

@@ -56,6 +56,8 @@ class MaskPasses {
   [[nodiscard]] std::size_t depth_pipelines() const { return pipelines_->size(); }
 
  private:
+  [[nodiscard]] bool prepare_at(const DepthPlace& place, const FrameMoment& request, const TracedMask* base,
+                                const PerEye<HiddenArea>* hidden);
   [[nodiscard]] Motion motion_since(const TracedMask& mask, const SceneState& now) const;
 
   gpu::FramesInFlight& frames_;

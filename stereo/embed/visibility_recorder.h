@@ -13,7 +13,8 @@
 
 namespace farshade {
 
-/// What the visibility of a frame is made of; the fields are those of ShownFrame.
+/// A frame whose visibility is recorded. The fields mean the same as those of ShownFrame. Both views have the
+/// size of RendererLimits::size.
 struct VisibilityFrame {
   StereoView views;
   const SceneState& state;
@@ -31,30 +32,36 @@ struct VisibilityImages {
 
 class VisibilityRecorder {
  public:
-  /// Loads the scene onto the device: submits to the queue and waits, so nobody else may use the queue
+  /// Loads the scene onto the device and makes the pipelines of the default Reprojection, which takes seconds
+  /// where the driver has no cache. Submits to the queue and waits, so nobody else may use the queue
   /// meanwhile. Device and scene must outlive the result. `plan` is a plan for the scene, which has only the
-  /// lights that the plan keeps, and reprojects masks (Unsupported otherwise). Missing if the device lacks
-  /// something. Throws if a call of Vulkan fails or the device has too little memory.
-  [[nodiscard]] static Expected<VisibilityRecorder> create(const gpu::ForeignDevice& device,
-                                                           const Scene& scene, DrawPlan plan,
-                                                           const RendererLimits& limits);
+  /// lights that the plan keeps. `passes`: see DrawPlan; by default those that suit the device. Missing if
+  /// the device lacks a feature; Unsupported if scene, plan or sizes cannot be used. Throws if a call of
+  /// Vulkan fails or the device has too little memory.
+  [[nodiscard]] static Expected<VisibilityRecorder> create(
+      const gpu::ForeignDevice& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
+      std::optional<ShadingPasses> passes = std::nullopt);
   VisibilityRecorder(VisibilityRecorder&&) noexcept;
   VisibilityRecorder& operator=(VisibilityRecorder&&) noexcept;
-  /// The device has finished all that was recorded.
+  /// The device has finished all recorded commands.
   ~VisibilityRecorder();
+
+  // All functions that record throw std::invalid_argument if views do not have the sizes of RendererLimits,
+  // and exceptions of Vulkan. The caller submits each command buffer once, in the order of the calls; if it
+  // drops one, it makes a new recorder.
 
   /// Begins a frame: each of the record functions can be called once in it. The device has finished the frame
   /// that began RendererLimits::frames calls before. The first frame has begun.
   void begin_frame();
 
   /// Records the depth of the views of `request`, which its masks need, and reprojects `base` to these views.
-  /// Arguments and result are those of Renderer::reproject_to_request; if it returns false, nothing was
-  /// recorded.
+  /// Arguments and result are those of Renderer::reproject_to_request. If it returns false, nothing was
+  /// recorded, because the depth of `base` is gone: without a base (null) it succeeds.
   [[nodiscard]] bool record_request(VkCommandBuffer commands, const FrameMoment& request, std::size_t slot,
                                     const TracedMask* base, const PerEye<HiddenArea>* hidden = nullptr);
 
-  /// What the last record_request has found. The caller has waited for its commands. Call it before the next
-  /// record_request, if at all.
+  /// Reads the known bits and the blocks to ask for of the last record_request. The caller has waited for its
+  /// commands. Call it before the next record_request, if at all.
   void read_unknown(RequestReprojection& into) const;
 
   /// Records the depth of requested pairs of faces of the cube mask.

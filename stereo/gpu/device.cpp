@@ -216,10 +216,13 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, const Qu
 }
 
 /// Fills what the fields of `device` say of its physical device.
-void read_limits(Device& device) {
+/// `timeout_ns` is that of a GPU.
+void read_limits(Device& device, std::uint64_t timeout_ns) {
   const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
   device.name = properties.deviceName.data();
   device.is_cpu = properties.deviceType == vk::PhysicalDeviceType::eCpu;
+  // A driver that draws on the CPU does not hang, but shares the cores with all other programs.
+  device.timeout_ns = device.is_cpu ? 10 * timeout_ns : timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.max_allocations = properties.limits.maxMemoryAllocationCount;
   device.max_image_side_px = properties.limits.maxImageDimension2D;
@@ -284,13 +287,11 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
                                     (passed_over.empty() ? std::string("none found") : passed_over) +
                                     "); install a driver, for example Debian's mesa-vulkan-drivers");
   device.physical = std::move(taken->physical);
-  read_limits(device);
+  read_limits(device, options.timeout_ns);
   device.why = options.maker   ? "that of the headset"
                : device.is_cpu ? "no GPU was usable, drawing on the CPU"
                                : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
-  // A driver that draws on the CPU does not hang, but shares the cores with all other programs.
-  device.timeout_ns = device.is_cpu ? 10 * options.timeout_ns : options.timeout_ns;
   const QueueFamily family = *graphics_queue_family(device.instance, device.physical, options);
   device.queue_family = family.index;
   device.timestamp_bits = family.timestamp_bits;
@@ -327,7 +328,8 @@ Expected<Device> adopt_device(const ForeignDevice& foreign) try {
   device.queue_family = foreign.queue_family;
   device.timestamp_bits = families[foreign.queue_family].timestampValidBits;
   device.queue = vk::raii::Queue(device.logical, foreign.queue);
-  read_limits(device);
+  read_limits(device, kGpuTimeout_ns);
+  device.is_adopted = true;
   device.why = "that of another renderer";
   device.commands = make_command_pool(device);
   return device;
@@ -340,12 +342,13 @@ Expected<Device> adopt_device(const ForeignDevice& foreign) try {
 /// and crash when the static objects of its libraries are destroyed: so none is.
 void abandon(const Device& device) {
   device.use->abandoned = true;
-  on_exit(
-      [](int status, void*) {
-        std::fflush(nullptr);
-        std::_Exit(status);
-      },
-      nullptr);
+  if (!device.is_adopted)
+    on_exit(
+        [](int status, void*) {
+          std::fflush(nullptr);
+          std::_Exit(status);
+        },
+        nullptr);
   auto& call = writable(device.logical.getDispatcher());
   silence(call.vkDestroyDevice);
   silence(call.vkDeviceWaitIdle);

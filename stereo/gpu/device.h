@@ -69,6 +69,7 @@ struct Device {
   float timestamp_period_ns = 1;              ///< of one timestamp tick
   std::uint32_t timestamp_bits = 64;          ///< that count; those above are undefined
   bool is_cpu = false;                        ///< it draws on the processor, as lavapipe does
+  bool is_adopted = false;                    ///< somebody else has made it, and destroys it
   std::string name;
   std::string why;  ///< one clause: why this device was chosen, and why others were not
 };
@@ -94,7 +95,8 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
 /// From now on nothing that was made on `device`, nor the device itself, is really destroyed: the handles and
 /// their memory leak. For a device that did not finish in time: it may still use any of them, and destroying
 /// what is in use crashes the driver. The device must not be used for anything else any more. `exit` then
-/// flushes the standard streams and ends the program at once: no static object is destroyed.
+/// flushes the standard streams and ends the program at once: no static object is destroyed. If the device
+/// is adopted, `exit` does what it does otherwise.
 void abandon(const Device& device);
 
 /// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after

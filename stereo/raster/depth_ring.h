@@ -36,6 +36,8 @@ class DepthRing {
   void give_back_unused(std::span<const TracedMask> masks, std::size_t most) {
     slots_.give_back_unused(masks, most);
   }
+  /// Gives back the place of a request whose depth was not drawn.
+  void release(FrameId frame) { slots_.release(frame); }
   /// Empties all slots.
   void forget() { slots_.forget(); }
   [[nodiscard]] bool has(FrameId frame) const { return slots_.find(frame).has_value(); }

@@ -107,7 +107,9 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
       return gpu::make_upload_buffer(frames_, bytes, storage, name, gpu::Use::Motion);
     };
     motion_slots_ = upload(bytes_.slots, "motion slots");
-    motion_slots_.view<std::uint32_t>().copy(motion.slots());
+    const WriteOnly<std::uint32_t> slots = motion_slots_.view<std::uint32_t>();
+    slots.fill(0);
+    slots.copy(motion.slots());
     motion_buffer_ = upload(bytes_.motions, "motions");
   }
   if (bytes_.lists > 0)

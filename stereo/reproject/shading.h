@@ -35,10 +35,10 @@ struct MaskDepths {
   DepthPlace any;                    ///< bound for masks that a frame does not have
 };
 
-/// Images of another renderer, whose layers are the eyes. The pass reads its surfaces in layout
+/// Images of another renderer, whose layers are the eyes. The pass reads depth and surfaces in layout
 /// ShaderReadOnlyOptimal, and writes visibilities in layout General (output.glsl).
 struct ForeignImages {
-  vk::ImageView surfaces, visibilities;
+  vk::ImageView depth, surfaces, visibilities;
 };
 
 class ShadingPass {
@@ -60,7 +60,7 @@ class ShadingPass {
   void prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                const ShadowMaps& maps);
 
-  /// What the next `record` reads and writes.
+  /// The next `record` reads and writes these images.
   void bind_images(const ForeignImages& images);
 
   /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of

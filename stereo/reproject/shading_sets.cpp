@@ -61,7 +61,11 @@ void ShadingPass::bind_depths(FrameSet& set, const DepthPlace& shown,
 
 void ShadingPass::bind_images(const ForeignImages& images) {
   check(writes_visibilities(), "the pass has no images of its own");
+  // Always, because a view that was destroyed and made anew may have the same handle.
   FrameSet& set = frame_sets_[frames_.place()];
+  set.textures.erase(FARSHADE_BINDING_SHOWN_DEPTH);
+  set.textures.erase(FARSHADE_BINDING_SURFACES);
+  bind_texture(set, FARSHADE_BINDING_SHOWN_DEPTH, images.depth);
   bind_texture(set, FARSHADE_BINDING_SURFACES, images.surfaces);
   gpu::bind_image(device_, set.bindings, FARSHADE_BINDING_OUTPUT,
                   {images.visibilities, vk::ImageLayout::eGeneral, nullptr});

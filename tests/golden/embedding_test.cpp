@@ -76,7 +76,7 @@ class Embedding : public OnLavapipe, public testing::WithParamInterface<Embeddin
   ForeignRenderer foreign_{scene_, size_,
                            static_cast<std::uint32_t>(kEyes) * FARSHADE_QUADS(plan_.mask.lights)};
   VisibilityRecorder recorder_ =
-      VisibilityRecorder::create(foreign_.device(), scene_, plan_, limits_).value();
+      VisibilityRecorder::create(foreign_.device(), scene_, plan_, limits_, GetParam().passes).value();
 };
 
 TEST_P(Embedding, GivesTheVisibilitiesAndTheUnknownBlocksOfRenderer) {
@@ -128,6 +128,37 @@ TEST_P(Embedding, GivesTheVisibilitiesAndTheUnknownBlocksOfRenderer) {
   foreign_.make_a_hazard();
   ASSERT_FALSE(foreign_.messages().empty()) << "synchronisation is checked";
   EXPECT_NE(foreign_.messages()[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos);
+}
+
+TEST_P(Embedding, RefusesWhatDoesNotFit) {
+  const StereoView large = eyes_of(rig_.head(), kEmbeddedSide_px * 2);
+  run([&](VkCommandBuffer commands) {
+    EXPECT_THROW((void)recorder_.record_request(commands, moment(kNow, kShownTime, large), 1, nullptr),
+                 std::invalid_argument);
+    const SceneState now = state_at(scene_, kShownTime);
+    EXPECT_THROW(recorder_.record_visibility(commands, {.views = large, .state = now}, foreign_.images()),
+                 std::invalid_argument);
+  });
+  const Scene other = with_lights(scene_, GetParam().lights + 1);
+  const Expected<VisibilityRecorder> of_another =
+      VisibilityRecorder::create(foreign_.device(), other, plan_, limits_);
+  ASSERT_FALSE(of_another);
+  EXPECT_EQ(of_another.error().fault, Fault::Unsupported);
+}
+
+/// The slot of a request is that of its base.
+TEST_P(Embedding, ARequestInTheSlotOfItsBaseKeepsNoDepth) {
+  const StereoView views = rig_.eyes(rig_.head());
+  const Mask mask = rig_.trace(kTraced, views);
+  const TracedMask base = mask.traced_mask();
+  run([&](VkCommandBuffer commands) {
+    EXPECT_TRUE(recorder_.record_request(commands, moment(kTraced, kMaskTime, views), 2, nullptr));
+  });
+  recorder_.begin_frame();
+  run([&](VkCommandBuffer commands) {
+    EXPECT_FALSE(recorder_.record_request(commands, moment(kNow, kShownTime, views), 2, &base));
+    EXPECT_TRUE(recorder_.record_request(commands, moment(kNow, kShownTime, views), 2, nullptr));
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(, Embedding,

@@ -25,7 +25,8 @@ enum class HeadSource : std::uint8_t { Simulated, Recording };
 class FramePacer {
  public:
   /// n rises if this quantile of the last kRemembered frame times exceeds n display periods, so that one late
-  /// frame in five does not change it. It falls to k if the quantile is below kRoom * k periods. So does m.
+  /// frame in five does not change it. It falls to k if the quantile is below kRoom * k periods. m
+  /// changes in the same way.
   static constexpr std::size_t kRemembered = 16;
   static constexpr double kQuantile = 0.75, kRoom = 0.9;
 
@@ -38,8 +39,8 @@ class FramePacer {
   void learn_ready(Duration after) { until_shown_.learn(after, period_ns_); }
 
   /// When the next frame should begin. The first frame begins at `now`. Later frames begin n points after the
-  /// last one or, if that is more than half a period ago, at the nearest grid point. The result may lie up to
-  /// half a period before `now`.
+  /// last one, later if they would not be shown after it, or, if that is more than half a period ago, at the
+  /// nearest grid point. The result may lie up to half a period before `now`.
   [[nodiscard]] Time next_begin(Time now) const;
 
   /// Begins a frame at `now`. Its display time is later than all earlier ones, by whole display periods.
