@@ -1,6 +1,7 @@
-// What a pass writes: the picture, or with VISIBILITY the visibility of each light, for a renderer that shades by itself
-// (docs/embedding.md). Light i is channel i % 4 of layer eye * FARSHADE_QUADS(lights) + i / 4. Its value is that of the
-// report; 0 where no surface is, and for a light of intensity 0. FARSHADE_BINDING_OUTPUT has one or the other.
+// A pass writes the picture. With VISIBILITY it writes the visibility of each light instead, for a renderer that shades
+// by itself (docs/embedding.md). Light i is channel i % 4 of layer eye * FARSHADE_QUADS(lights) + i / 4. The value equals
+// that in the report; it is 0 where no surface is, and for a light of intensity 0. Both images have one binding,
+// FARSHADE_BINDING_OUTPUT.
 
 #ifdef VISIBILITY
 layout(binding = FARSHADE_BINDING_OUTPUT, rgba8) uniform writeonly image2DArray visibilities;

@@ -8,9 +8,9 @@
 // Variants: DIRECT reads the newest mask at the shown pixel, in one pass. With SHADOW_MAPS (and DIRECT) visibilities
 // come from shadow maps (shadow_lookup.glsl). EASY is the first pass, SINGLE the one that needs no other; without these,
 // the shader is the second or third. FEW_LIGHTS: at most FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded
-// with. VISIBILITY writes visibilities instead of a picture. MOTION: some instances can move. Drivers remove what a constant leaves out only after they have inlined it: as a
-// variant of the preprocessor, the first pass takes lavapipe 0.05 s to compile instead of 0.33 s, the second for few
-// lights 0.26 s instead of 0.42 s.
+// with. VISIBILITY writes visibilities instead of a picture. MOTION: some instances can move. Drivers remove what a
+// constant leaves out only after they have inlined it: as a variant of the preprocessor, the first pass takes lavapipe
+// 0.05 s to compile instead of 0.33 s, the second for few lights 0.26 s instead of 0.42 s.
 // Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform
 // once for all lanes; but inside of a branch, and of a loop that it cannot unroll, once for each lane. So branches contain
 // little more than stores. && and || are branches, too. SINGLE has branches over work, for devices that skip it.

@@ -177,9 +177,8 @@ void add_request_options(CLI::App& app, CommandLine& line) {
       ->check(within(0, 500))
       ->capture_default_str();
   app.add_option("--frames-in-flight", options.frames_in_flight,
-                 "frames that the GPU and the client work on at one time, the new one included (default: 2; "
-                 "1 with the "
-                 "virtual clock and where the CPU draws)")
+                 "frames that client and GPU work on at one time (default: 2; 1 with the virtual clock and "
+                 "where the processor draws)")
       ->check(within(1, 3));
   add_words(app, "--predictor", options.request.predictor, predictors(),
             "how the client predicts the head pose at which masks will be used; hold: no prediction");

@@ -67,14 +67,14 @@ std::optional<std::string> RunOutputs::watch(const FrameView& view) {
   return silence_.add(view.shown.frame, view.silent_since, kSteadyClock.now(), why);
 }
 
-/// A device that is lost meanwhile is not opened again. What was compared before is written.
+/// If the device is lost or has no memory, the comparison ends, and the errors so far are written.
 Expected<void> RunOutputs::compare_kept() try {
   report_->compare_kept();
   return {};
-} catch (const vk::DeviceLostError& lost) {
+} catch (const vk::SystemError& failed) {
   client_.renderer.reset();
   return fail(Fault::Unavailable,
-              fmt::format("the GPU was lost while frames were compared after the run ({})", lost.what()));
+              fmt::format("the GPU failed while frames were compared after the run ({})", failed.what()));
 }
 
 Expected<void> RunOutputs::finish(bool was_interrupted, const std::function<Expected<void>()>& summarize) {

@@ -168,6 +168,29 @@ TEST_P(FramesInFlight, AreTheSameAsFramesThatWaitForEachOther) {
   }
 }
 
+/// Comparisons after a run draw many pictures without a frame between them.
+TEST_P(FramesInFlight, PicturesThatAreNoFramesUseTheirMemoryAgain) {
+  TestRig rig(device_, scene(), kFlightSide_px);
+  const std::vector<Moment> moments = moments_of(rig);
+  const auto uploads_after = [&](int pictures) {
+    device_.ledger = std::make_shared<gpu::Ledger>();
+    const RendererLimits limits{.size = kFlightSize, .traced_size = kFlightSize, .frames = 2};
+    const std::unique_ptr<Renderer> renderer = make_renderer(device_, rig.scene(), limits);
+    for (int i = 0; i < pictures; ++i) {
+      const Moment& moment = moments[static_cast<std::size_t>(i) % moments.size()];
+      const SceneState state = state_at(rig.scene(), moment.time);
+      const std::vector<TracedMask> masks{moment.mask.traced_mask()};
+      renderer->draw({.views = moment.views,
+                      .state = state,
+                      .masks = masks,
+                      .reprojection = {.lookup = Lookup::Direct}});
+      renderer->discard_times();
+    }
+    return device_.ledger->read().peak[gpu::Use::Uploads];
+  };
+  EXPECT_EQ(uploads_after(60), uploads_after(15));
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, FramesInFlight, testing::Values("Room", "BendingFigures"),
                          [](const auto& scene) { return std::string(scene.param); });
 

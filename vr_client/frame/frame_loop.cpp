@@ -53,10 +53,6 @@ Exposure exposure_of(const RunContext& context) {
   return told.value_or(context.exposure);
 }
 
-}  // namespace
-
-namespace {
-
 /// Locates the views of a frame again, unless they must stay: a request for exactly these views gets their
 /// depth. A request that waits for the device has a depth of its own.
 void locate_for_drawing(const RunContext& context, const ModePipeline& pipeline,

@@ -5,7 +5,7 @@
 
 namespace farshade {
 
-/// What the frames are drawn on.
+/// The device of a run, and how to open it again.
 struct FrameDevice {
   std::function<RunContext()> context;  ///< of a run on the open device
   /// Destroys everything that was made on the device, and leaves the device itself.

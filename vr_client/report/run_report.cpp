@@ -165,6 +165,7 @@ void RunReport::keep(Taken taken) {
 
 void RunReport::compare(Taken taken) {
   const PerEye<EyeErrors> errors = measure(std::move(taken.frame), *renderer_, *reference_, current_);
+  renderer_->discard_times();  // frees what the comparison has uploaded
   log_.set_errors(taken.record, errors);
   if (taken.dump && !failed_) keep(write_dump(options_.out / "dump", *taken.dump, current_));
   const double error = badness(errors[0]) + badness(errors[1]);

@@ -59,9 +59,8 @@ class RunReport {
 
   /// Compares the frames that have waited for it, if there is a renderer.
   void compare_kept();
-  /// Compares the frames that still wait. Writes summary.csv and frames.csv,
-  /// and then the pictures, so that a full disk costs pictures and not the numbers. failed() tells whether
-  /// all were written.
+  /// Compares the frames that still wait. Writes summary.csv and frames.csv, and then the pictures, so that a
+  /// full disk costs pictures and not the numbers. failed() tells whether all were written.
   void finish();
 
  private:

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/base/clock.h"
 #include "stereo/gpu/memory.h"
-#include "tests/support/test_place.h"
+#include "tests/unit/gpu/validated_device.h"
 
 namespace farshade::gpu {
 namespace {
@@ -14,10 +15,7 @@ constexpr std::size_t kWords = 16, kManyBytes = std::size_t{64} << 20;
 class FrameCommandsOf : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
-    DeviceOptions options;
-    options.validation = Validation::On;
-    options.name_contains = test_gpu();
-    Expected<Device> opened = open_device(options);
+    Expected<Device> opened = open_validated_device();
     if (!opened) GTEST_SKIP() << opened.error().what;
     device.emplace(std::move(*opened));
     device->timelines = GetParam();

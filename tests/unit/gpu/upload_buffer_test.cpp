@@ -8,7 +8,7 @@
 #include <random>
 
 #include "stereo/gpu/frame_commands.h"
-#include "tests/support/test_place.h"
+#include "tests/unit/gpu/validated_device.h"
 
 namespace farshade::gpu {
 namespace {
@@ -19,10 +19,7 @@ using Words = std::vector<std::uint32_t>;
 class UploadBuffers : public testing::Test {
  protected:
   void SetUp() override {
-    DeviceOptions options;
-    options.validation = Validation::On;
-    options.name_contains = test_gpu();
-    Expected<Device> opened = open_device(options);
+    Expected<Device> opened = open_validated_device();
     if (!opened) GTEST_SKIP() << opened.error().what;
     device_.emplace(std::move(*opened));
     frames_.emplace(*device_, 2);
