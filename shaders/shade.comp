@@ -22,13 +22,15 @@
 
 layout(local_size_x = FARSHADE_SHADE_GROUP) in;
 
-layout(constant_id = FARSHADE_CONSTANT_LIGHTS) const uint kLights = 1;
-layout(constant_id = FARSHADE_CONSTANT_WORD_BYTES) const uint kWordBytes = 1;
 #if defined(DIRECT)
 const uint kPass = FARSHADE_PASS_DIRECT;
 #elif defined(EASY)
 const uint kPass = FARSHADE_PASS_EASY;
 #define HAS_LISTS
+#elif defined(FLIPPED)
+const uint kPass = FARSHADE_PASS_FLIPPED;
+#define HAS_LISTS
+uint flipped_entry = 0u;
 #elif defined(SINGLE)
 const uint kPass = FARSHADE_PASS_SINGLE;
 #define SECOND_LOOK  // looks in all sources
@@ -36,59 +38,6 @@ const uint kPass = FARSHADE_PASS_SINGLE;
 #define SECOND_LOOK
 #define HAS_LISTS
 layout(constant_id = FARSHADE_CONSTANT_PASS) const uint kPass = FARSHADE_PASS_EASY;
-#endif
-layout(constant_id = FARSHADE_CONSTANT_OTHER_EYE) const bool kOtherEye = false;
-layout(constant_id = FARSHADE_CONSTANT_RANGES_AND_CONES) const bool kRangesAndCones = false;
-layout(constant_id = FARSHADE_CONSTANT_NEAR) const float kNear = 1e-4;
-layout(constant_id = FARSHADE_CONSTANT_UNKNOWN_VISIBILITY) const float kUnknownVisibility = 1.0;
-layout(constant_id = FARSHADE_CONSTANT_WHOLE) const bool kWhole = false;
-layout(constant_id = FARSHADE_CONSTANT_MOVED) const bool kMoved = false;
-layout(constant_id = FARSHADE_CONSTANT_NEIGHBOURS) const bool kNeighbours = true;
-layout(constant_id = FARSHADE_CONSTANT_EDGES) const bool kEdges = true;
-layout(constant_id = FARSHADE_CONSTANT_SHARPNESS) const float kSharpness = 1.0;
-layout(constant_id = FARSHADE_CONSTANT_EDGE_BIT) const uint kEdgeBit = 1;
-layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
-layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
-layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
-layout(constant_id = FARSHADE_CONSTANT_CUBE_MASK) const bool kCubeMask = true;
-layout(constant_id = FARSHADE_CONSTANT_ROW_GROUPS) const uint kRowGroups = FARSHADE_ROW_GROUPS;
-
-// 0 left, 1 right. As a constant, it would double what drivers compile.
-layout(push_constant) uniform Dispatch { uint shown_eye; };
-layout(binding = 0) uniform Frame { FrameData frame; };
-layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
-layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
-layout(std430, binding = 3) readonly buffer KnownBlocks { uint known_words[]; };
-layout(binding = FARSHADE_BINDING_SHOWN_DEPTH) uniform sampler2DArray shown_depths;  // layers: eyes
-layout(binding = FARSHADE_BINDING_SURFACES) uniform usampler2DArray surfaces;
-#ifndef DIRECT
-layout(binding = 8) uniform sampler2DArray cube_mask_depths;
-// Of each mask the depth of its views; layers: eyes. An array with an index that is not constant would make lavapipe
-// sample once for each lane.
-layout(binding = FARSHADE_BINDING_MASK_DEPTHS) uniform sampler2DArray mask_depths_0;
-layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 1) uniform sampler2DArray mask_depths_1;
-layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 2) uniform sampler2DArray mask_depths_2;
-layout(binding = FARSHADE_BINDING_MASK_DEPTHS + 3) uniform sampler2DArray mask_depths_3;
-#else  // not read
-#define cube_mask_depths shown_depths
-#define mask_depths_0 shown_depths
-#define mask_depths_1 shown_depths
-#define mask_depths_2 shown_depths
-#define mask_depths_3 shown_depths
-#endif
-#ifdef HAS_LISTS
-#ifdef MOTION
-#define LISTS_BINDING 15  // after those of motion.glsl
-#else
-#define LISTS_BINDING 13
-#endif
-layout(std430, binding = LISTS_BINDING) buffer Hard {
-  // For each eye two lists: hard pixels, and those on instances that can move. xyz = dispatch size, w = length. The
-  // dispatch has rows of kRowGroups workgroups; if there is one row only, it may be shorter.
-  uvec4 hard_lists[4];
-  // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
-  uint hard_pixels[];
-};
 #endif
 #ifdef SHADOW_MAPS
 const bool kShadowMaps = true;
@@ -103,21 +52,12 @@ const bool kSecondLook = true;
 #else
 const bool kSecondLook = false;
 #endif
-const uint kGroups = (kLights + 7) / 8, kQuads = FARSHADE_QUADS(kLights);
-
-#include "shaders/motion.glsl"
-#include "shaders/masks.glsl"
-#include "shaders/reproject.glsl"
+#include "shaders/shading.glsl"
+#ifdef HAS_LISTS
+#include "shaders/lists.glsl"
+#endif
 #include "shaders/report.glsl"
 #include "shaders/output.glsl"
-
-// The direction of an octahedral normal. Its length is not 1.
-vec3 unfolded(vec2 p) {
-  vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
-  float fold = max(-n.z, 0.0);
-  n.xy -= vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
-  return n;
-}
 
 #include "shaders/shadow_lookup.glsl"
 
@@ -171,34 +111,6 @@ Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   return eight_of(bits >> (group % 4 * 8));
 }
 
-#ifdef HAS_LISTS
-uint list_place(uint i, bool can_move) {
-  uvec2 size = uvec2(frame.eye[shown_eye].size_px.xy);
-  return size.x * size.y * shown_eye + (can_move ? size.x * size.y - 1 - i : i);
-}
-
-void list_as_hard(ivec2 pixel, bool can_move) {
-  uint list = shown_eye * 2 + uint(can_move), i = atomicAdd(hard_lists[list].w, 1);
-  if (i % gl_WorkGroupSize.x == 0) {
-    uint group = i / gl_WorkGroupSize.x;
-    if (group < kRowGroups) atomicAdd(hard_lists[list].x, 1);
-    if (group % kRowGroups == 0) atomicAdd(hard_lists[list].y, 1);
-  }
-  hard_pixels[list_place(i, can_move)] = pixel.x | pixel.y << 16;
-}
-#else
-void list_as_hard(ivec2 pixel, bool can_move) {}
-#endif
-
-Surface surface_at(ivec2 pixel, float depth, uint stored) {
-  vec4 window = frame.eye[shown_eye].window.origin_step;
-  Surface surface;
-  surface.position = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
-  surface.normal = unfolded(unpackSnorm4x8(stored).xy);
-  surface.slot = kMoved ? slot_of(stored >> 16) : 0u;
-  return surface;
-}
-
 // What the masks know of a surface point.
 struct Lookup {
   Sample taken;       // whose bits the point takes
@@ -210,6 +122,9 @@ struct Lookup {
   bool on_edge;       // a shadow edge is near
   bool hard;          // the bits of the newest mask are not enough
 };
+
+// A point this close to the centre of a mask pixel, in pixels, has its bits.
+const float kSampled_px = 1.0 / 256.0;
 
 // Whether a pixel needs the work for hard ones. In a list all do.
 bool is_hard(Lookup found) { return kPass != FARSHADE_PASS_SINGLE || found.hard; }
@@ -242,6 +157,9 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   result.traced = source_of(result.source);
   bool near_edge = near_shadow_edge(result.traced, result.pixel, result.taken.at);
   result.on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && result.known && near_edge;
+  // The bit of a point that a ray of the server has met is exact.
+  vec2 off = abs(result.taken.at - vec2(result.pixel) - 0.5);
+  if (kEdgeRays && max(off.x, off.y) < kSampled_px) result.on_edge = false;
   result.hard = !result.known || result.on_edge || result.source != kNewest;
   return result;
 }
@@ -258,6 +176,9 @@ PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
   const bool first = mask_of(found.source) == 0;
   const uint since = is_face(found.source) ? FARSHADE_SINCE_CUBE_MASK : FARSHADE_SINCE_OLDER;
   if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
+#ifdef FLIPPED
+  bits.visible ^= list_words[flipped_word(flipped_entry, 1 + plane)];
+#endif
   bits.visible = found.known ? bits.visible : 0u;
   if (kSecondLook && kMoved && is_hard(found)) bits.stale = stale_bits(since, slot, p_stage, plane);
   // A stale bit of the point itself is the best that there is, unless the viewer has changed the light.
@@ -323,6 +244,15 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
   return irradiance;
 }
 
+#ifdef EASY
+void list(ivec2 pixel, bool edge, bool can_move) {
+  if (edge) edge = list_as_edge(pixel);
+  if (!edge) list_as_hard(pixel, can_move);
+}
+#else
+void list(ivec2 pixel, bool edge, bool can_move) {}
+#endif
+
 // The light that the surface at a pixel reflects. `record` is that of the report. Writes nothing, and lists no pixel, that
 // is not `wanted`.
 vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
@@ -334,9 +264,8 @@ vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
   at.surface = surface_at(pixel, depth, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
-    bool moved = kMoved && has_moved(0, at.surface.slot);
-    if (wanted && (at.found.hard || moved))
-      list_as_hard(pixel, at.surface.slot != 0u);
+    bool moved = kMoved && has_moved(0, at.surface.slot), edge = kEdgeRays && at.found.on_edge && !moved;
+    if (wanted && (at.found.hard || moved)) list(pixel, edge, at.surface.slot != 0u);
   }
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
   at.p = turn * at.surface.position;
@@ -380,13 +309,18 @@ void shade(ivec2 pixel, bool wanted) {
 }
 
 void main() {
-#if defined(HAS_LISTS) && !defined(EASY)
+#ifdef FLIPPED
+  uint i = listed_entry(), pixel = 0u;
+  bool listed = i < lists[list_of(FARSHADE_LIST_FLIPPED)].w;
+  if (listed) flipped_entry = i;
+  if (listed) pixel = list_words[flipped_word(i, 0)];
+  shade(unpacked(pixel), listed);
+#elif defined(HAS_LISTS) && !defined(EASY)
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
-  uint i = gl_GlobalInvocationID.y * (kRowGroups * gl_WorkGroupSize.x) + gl_GlobalInvocationID.x;
-  uint place = list_place(i, can_move), pixel = 0u;
-  bool listed = i < hard_lists[shown_eye * 2 + uint(can_move)].w;
-  if (listed) pixel = hard_pixels[place];
-  shade(ivec2(pixel & 0xFFFFu, pixel >> 16), listed);
+  uint i = listed_entry(), word = hard_word(i, can_move), pixel = 0u;
+  bool listed = i < lists[list_of(can_move ? FARSHADE_LIST_MOVING : FARSHADE_LIST_HARD)].w;
+  if (listed) pixel = list_words[word];
+  shade(unpacked(pixel), listed);
 #else
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = ivec2(frame.eye[shown_eye].size_px.xy);
   shade(min(pixel, max(size - 1, ivec2(0))), all(lessThan(pixel, size)));

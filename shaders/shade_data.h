@@ -13,6 +13,10 @@
 #define FARSHADE_PASS_HARD 2
 #define FARSHADE_PASS_MOVING 3
 #define FARSHADE_PASS_SINGLE 4
+// With edge rays, EASY lists edges apart from hard pixels. RAYS (edge_rays.comp) lists those where the mask's bit is wrong,
+// which FLIPPED shades, and those that it cannot decide, which are hard.
+#define FARSHADE_PASS_RAYS 5
+#define FARSHADE_PASS_FLIPPED 6
 
 // For at most so many lights, a variant of HARD, MOVING and SINGLE filters the edges of each light on its own.
 #define FARSHADE_FEW_LIGHTS 4
@@ -43,11 +47,21 @@
 #define FARSHADE_CONSTANT_DETAIL 15             // limit of the geometric error of what is drawn, pixels
 #define FARSHADE_CONSTANT_CUBE_MASK 16          // points that no view's mask knows are looked up in the cube mask
 #define FARSHADE_CONSTANT_ROW_GROUPS 17         // workgroups in a row of a dispatch over listed pixels
-#define FARSHADE_CONSTANTS 18
+#define FARSHADE_CONSTANT_EDGE_RAYS 18          // the client's own rays decide at shadow edges
+#define FARSHADE_CONSTANTS 19
 
 // Devices guarantee so many workgroups along each side of a dispatch, so the groups of longer lists form rows.
 // All rows but a single one have full length, so a list of a little more than a row runs twice as many groups.
 #define FARSHADE_ROW_GROUPS 65535
+
+// The lists of an eye (lists.glsl): hard pixels, those on instances that can move, pixels at shadow edges, and pixels whose
+// bits flip.
+#define FARSHADE_LIST_HARD 0
+#define FARSHADE_LIST_MOVING 1
+#define FARSHADE_LIST_EDGES 2
+#define FARSHADE_LIST_FLIPPED 3
+#define FARSHADE_LISTS 4
+#define FARSHADE_PIXELS_PER_EDGE 4  // at least: more edges are hard. Of the bundled room at 512x512, a sixth are edges
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.

@@ -96,6 +96,9 @@ struct FrameData {
   uvec4 stale_lights[FARSHADE_SINCE_GROUPS * 2];
   uvec4 changed_lights[2];  // lights that the viewer has changed since a mask in use was traced
   vec4 moved[FARSHADE_SINCE_GROUPS * 2 * FARSHADE_MAX_MOVED];  // [group][eye][sphere]
+  // Bounding spheres of all instances that can move, where they are now, [eye][sphere], as in `moved`.
+  vec4 movable[2 * FARSHADE_MAX_MOVED];
+  uvec4 ray_lights[2];  // lights that edge rays can be traced to
   vec4 background;                                             // linear
   vec4 ambient;  // linear factor of the base colour; 0 if the scene has lights of its own
   uvec4 counts;  // x = masks in use, z = 1 if the newest mask's view is close enough to the shown view to guess

@@ -180,7 +180,11 @@ std::uint32_t frames_in_flight(const Options& options, const gpu::Device& device
 
 /// With the passes and frames in flight that suit the device.
 void make_renderer_of(const Options& options, Client& client) {
-  client.plan.draw.passes = options.passes.value_or(suited_passes(client.device));
+  client.plan.draw.edge_rays =
+      options.reprojection.edges == Edges::Exact && reprojects_masks(client.plan.draw);
+  client.plan.draw.passes = client.plan.draw.edge_rays
+                                ? ShadingPasses::Sorted
+                                : options.passes.value_or(suited_passes(client.device));
   client.limits.frames = frames_in_flight(options, client.device);
   client.renderer =
       make_renderer(client.device, client.scene, client.plan.draw, client.limits, client.levels);

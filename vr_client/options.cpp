@@ -200,11 +200,16 @@ void add_reprojection_options(CLI::App& app, Reprojection& reprojection) {
   add_words<Lookup>(app, "--reprojection", reprojection.lookup,
                     {{"on", Lookup::Reproject}, {"off", Lookup::Direct}},
                     "off: show old masks without reprojection, as a baseline to compare with");
-  add_words<Edges>(
-      app, "--edges", reprojection.edges,
-      {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}},
-      "the visibility at shadow edges: filtered is that of the pixel's centre; coverage is the lit "
-      "part of the pixel, for smooth edges; nearest is the bit of one mask pixel");
+  add_words<Edges>(app, "--edges", reprojection.edges,
+                   {{"exact", Edges::Exact},
+                    {"line", Edges::Line},
+                    {"nearest", Edges::Nearest},
+                    {"coverage", Edges::Coverage}},
+                   "the visibility at shadow edges: exact traces a ray of the client's own to each light "
+                   "that rests; line guesses "
+                   "from masks on which side of the edge the pixel's centre lies; coverage is the lit part "
+                   "of the pixel, for smooth "
+                   "edges; nearest is the bit of one mask pixel");
 }
 
 void add_output_options(CLI::App& app, Options& options) {
@@ -359,6 +364,12 @@ void check_mask_code(const CLI::App& app, Options& options) {
   options.request.asks = Asks::Whole;
 }
 
+/// Throws a CLI::ParseError if an option does not go with --edges exact.
+void check_edges(const Options& options) {
+  if (options.reprojection.edges == Edges::Exact && options.passes == ShadingPasses::Single)
+    throw CLI::ValidationError("--edges", "exact takes sorted passes: omit --passes single");
+}
+
 /// Throws a CLI::ParseError if one of these options is given.
 void check_replay(const CLI::App& app) {
   for (const char* option : kNotInReplay)
@@ -390,6 +401,7 @@ Options checked(CommandLine line, const CLI::App& app) {
   options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(line.video_megabits * 1e6));
   if (line.validate) options.device.validation = gpu::Validation::On;
   check_mask_code(app, options);
+  check_edges(options);
   const std::string mode(name_of(options.mode.mode));
   if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
     throw CLI::ValidationError("--dump",

@@ -103,6 +103,7 @@ MasksInUse MaskPasses::usable(std::span<const TracedMask> masks, std::span<const
   for (const TracedMask& mask : cube_mask)
     if (used.cube_mask.size() < most_cube_mask_pairs(plan_) && !is_direct && faces_->ring().has(mask.frame))
       used.cube_mask.push_back({mask, motion_since(mask, now)});
+  if (plan_.edge_rays) used.movable = motion_.bounds(now);
   return used;
 }
 

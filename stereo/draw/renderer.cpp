@@ -128,6 +128,7 @@ class VulkanRenderer final : public Renderer {
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
+  std::optional<EdgeRays> edge_rays_;      ///< set if the plan has them
   ShadingPass shading_;
   std::optional<TimewarpPass> timewarp_;       ///< created at first use
   DepthPlace shown_depth_;                     ///< of the last drawn frame
@@ -157,7 +158,8 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       gbuffer_(frames_, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(frames_, gbuffer_, limits.size),
       shading_(frames_, plan_, &gbuffer_, masks_.depths(), masks_.masks(), frame_buffer_, masks_.motion(),
-               shading_bytes(plan_, limits.size, limits.traced_size), limits.size),
+               shading_bytes(plan_, limits.size, limits.traced_size), limits.size,
+               plan_.edge_rays ? &edge_rays_.emplace(frames_, scene, plan_) : nullptr),
       shown_depth_(own_depth_),
       read_back_(device),
       stamps_(device, narrow<std::uint32_t>(frames_.count()) * kAllStamps),

@@ -7,8 +7,8 @@ namespace farshade::gpu {
 
 std::string_view to_string(Use use) {
   static constexpr std::array<std::string_view, kUses> kNames{
-      "vertices", "textures", "frame",     "G-buffer",    "depth",   "masks",   "motion", "lists",
-      "shown",    "report",   "read-back", "shadow maps", "staging", "uploads", "other"};
+      "vertices", "textures", "frame",     "G-buffer",    "depth",     "masks",   "motion",  "lists",
+      "shown",    "report",   "read-back", "shadow maps", "edge rays", "staging", "uploads", "other"};
   return kNames[static_cast<std::size_t>(use)];
 }
 

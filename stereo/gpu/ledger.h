@@ -26,11 +26,12 @@ enum class Use : std::uint8_t {
   Report,   ///< per pixel, how it was shaded
   ReadBack,
   ShadowMaps,  ///< of a client that draws its own shadows
+  EdgeRays,    ///< light buffers and the triangles in them
   Staging,     ///< host memory from which the device copies
   Uploads,     ///< the same for what the host writes every frame
   Other,
 };
-inline constexpr std::size_t kUses = 15;
+inline constexpr std::size_t kUses = 16;
 
 [[nodiscard]] std::string_view to_string(Use use);
 

@@ -44,6 +44,20 @@ void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t b
                                       {});
 }
 
+vk::raii::BufferView view_texels(const Device& device, const Buffer& buffer, vk::Format format) {
+  return device.logical.createBufferView(
+      {.buffer = *buffer.buffer, .format = format, .range = VK_WHOLE_SIZE});
+}
+
+void bind_texels(const Device& device, const Bindings& bindings, std::uint32_t binding, vk::BufferView view) {
+  device.logical.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *bindings.set,
+                                                             .dstBinding = binding,
+                                                             .descriptorCount = 1,
+                                                             .descriptorType = bindings.kinds[binding].type,
+                                                             .pTexelBufferView = &view},
+                                      {});
+}
+
 void bind_image(const Device& device, const Bindings& bindings, std::uint32_t binding,
                 const ImageBinding& image, std::uint32_t element) {
   const vk::DescriptorImageInfo info{

@@ -40,6 +40,10 @@ struct Bindings {
 void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer,
                  std::uint64_t range = VK_WHOLE_SIZE);
 
+/// All of `buffer` as texels, for shaders that fetch them.
+[[nodiscard]] vk::raii::BufferView view_texels(const Device& device, const Buffer& buffer, vk::Format format);
+void bind_texels(const Device& device, const Bindings& bindings, std::uint32_t binding, vk::BufferView view);
+
 /// `layout` is the layout of the image when the set is used. `sampler` may be null for storage images.
 struct ImageBinding {
   vk::ImageView view;

@@ -76,6 +76,7 @@ struct DrawPlan {
   bool depth_pass = true;        ///< requested views may differ from the shown ones
   bool cube_mask = true;         ///< masks of all directions about the head are kept and looked up
   bool builds_late = true;       ///< pipelines are created when first needed
+  bool edge_rays = false;        ///< the client traces its own rays at shadow edges
   float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
   float ambient = 0;             ///< of the scene
   ShadingPasses passes = ShadingPasses::Sorted;

@@ -85,13 +85,21 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
     const Moving& mover = moving_[slot];
     motion.then_from_now[slot] = then_from_now(mover, then, now);
     if (!motion.then_from_now[slot]) continue;
-    for (const SceneState* state : {&then, &now})
-      if (!is_singular(glm::dmat3(state->stage_from_object[mover.instance].matrix)))
-        add_sphere(sphere_about(state->stage_from_object[mover.instance],
-                                mover.part ? mover.part->bounds(*state) : mover.box),
-                   motion.moved);
+    for (const SceneState* state : {&then, &now}) add_bounds(mover, *state, motion.moved);
   }
   return motion;
+}
+
+std::vector<Sphere> MotionModel::bounds(const SceneState& now) const {
+  std::vector<Sphere> spheres;
+  for (const Moving& mover : moving_) add_bounds(mover, now, spheres);
+  return spheres;
+}
+
+void MotionModel::add_bounds(const Moving& mover, const SceneState& state, std::vector<Sphere>& spheres) {
+  const Affine<Stage, Object>& place = state.stage_from_object[mover.instance];
+  if (is_singular(glm::dmat3(place.matrix))) return;
+  add_sphere(sphere_about(place, mover.part ? mover.part->bounds(state) : mover.box), spheres);
 }
 
 }  // namespace farshade

@@ -48,6 +48,9 @@ class MotionModel {
   /// Both states are of the model's scene. `then` has the light changes of `now` up to its own revision.
   [[nodiscard]] Motion between(const SceneState& then, const SceneState& now) const;
 
+  /// Spheres that together contain all instances that can move, where they are now; at most kMostSpheres.
+  [[nodiscard]] std::vector<Sphere> bounds(const SceneState& now) const;
+
  private:
   struct Moving {
     std::uint32_t instance;
@@ -56,6 +59,7 @@ class MotionModel {
   };
   [[nodiscard]] static std::optional<glm::dmat4> then_from_now(const Moving& mover, const SceneState& then,
                                                                const SceneState& now);
+  static void add_bounds(const Moving& mover, const SceneState& state, std::vector<Sphere>& spheres);
   std::vector<Moving> moving_;
   std::vector<std::uint32_t> slots_;
 };

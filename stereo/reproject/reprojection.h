@@ -24,7 +24,8 @@ enum class Gaps : std::uint8_t { Unknown, Neighbours };
 /// The visibility near a shadow edge.
 enum class Edges : std::uint8_t {
   Nearest,   ///< the bit of one pixel
-  Filtered,  ///< 0 or 1, by the side of the edge on which the pixel's centre lies; a fraction if that is not
+  Exact,     ///< a ray of the client decides; where it cannot, as Line
+  Line,      ///< 0 or 1, by the side of the edge on which the pixel's centre lies; a fraction if that is not
              ///< sure
   Coverage,  ///< the part of the pixel that lies on the lit side
 };
@@ -32,9 +33,9 @@ enum class Edges : std::uint8_t {
 /// How masks are reprojected. The defaults were chosen by measurement (docs/reprojection.md).
 struct Reprojection {
   Lookup lookup = Lookup::Reproject;
-  Eyes eyes = Eyes::Both;         ///< the eyes whose masks a pixel may use
-  Gaps gaps = Gaps::Neighbours;   ///< bits of a point that no view saw
-  Edges edges = Edges::Filtered;  ///< visibility near a shadow edge
+  Eyes eyes = Eyes::Both;        ///< the eyes whose masks a pixel may use
+  Gaps gaps = Gaps::Neighbours;  ///< bits of a point that no view saw
+  Edges edges = Edges::Line;     ///< visibility near a shadow edge
   friend auto operator<=>(const Reprojection&, const Reprojection&) = default;
 };
 

@@ -1,6 +1,7 @@
 #include "stereo/reproject/shading.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "stereo/frame/edge_sharpness.h"
@@ -49,8 +50,23 @@ std::vector<std::uint32_t> passes_of(const DrawPlan& plan, Changes moves) {
     return passes;
   }
   passes.insert(passes.end(), {FARSHADE_PASS_EASY, FARSHADE_PASS_HARD});
+  if (plan.edge_rays) passes.insert(passes.end(), {FARSHADE_PASS_RAYS, FARSHADE_PASS_FLIPPED});
   if (moves == Changes::Possible) passes.push_back(FARSHADE_PASS_MOVING);
   return passes;
+}
+
+/// The list that a pass works on.
+std::uint32_t list_of(std::uint32_t pass) {
+  switch (pass) {
+    case FARSHADE_PASS_MOVING:
+      return FARSHADE_LIST_MOVING;
+    case FARSHADE_PASS_RAYS:
+      return FARSHADE_LIST_EDGES;
+    case FARSHADE_PASS_FLIPPED:
+      return FARSHADE_LIST_FLIPPED;
+    default:
+      return FARSHADE_LIST_HARD;
+  }
 }
 
 std::vector<const TracedMask*> taken(std::span<const DatedMask> masks) {
@@ -79,7 +95,8 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 
 ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass* gbuffer,
                          const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
-                         const MotionModel& motion, const ShadingBytes& bytes, Extent size)
+                         const MotionModel& motion, const ShadingBytes& bytes, Extent size,
+                         EdgeRays* edge_rays)
     : frames_(frames),
       device_(frames.device()),
       plan_(plan),
@@ -88,6 +105,7 @@ ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, cons
       frame_buffer_(frame),
       size_(size),
       bytes_(bytes),
+      edge_rays_(edge_rays),
       motion_count_(motion.slot_count()),
       pipelines_(device_, plan, motion.slot_count() > 0) {
   check(fits_dispatches(size, device_.max_groups), "the device allows the workgroups of a picture");
@@ -95,6 +113,14 @@ ShadingPass::ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, cons
   if (gbuffer != nullptr) make_picture();
   nearest_ = device_.logical.createSampler({});
   for (std::size_t place = 0; place < frames.count(); ++place) frame_sets_.push_back(make_set(gbuffer));
+  if (edge_rays_ != nullptr) {
+    const std::array<vk::DescriptorSetLayout, 2> sets{*frame_sets_[0].bindings.layout,
+                                                      *edge_rays_->bindings().layout};
+    ray_layout_ = device_.logical.createPipelineLayout({.setLayoutCount = narrow<std::uint32_t>(sets.size()),
+                                                        .pSetLayouts = sets.data(),
+                                                        .pushConstantRangeCount = 1,
+                                                        .pPushConstantRanges = &kShownEye});
+  }
   if (!plan.builds_late) make_all_pipelines();
 }
 
@@ -113,11 +139,11 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
     motion_buffer_ = upload(bytes_.motions, "motions");
   }
   if (bytes_.lists > 0)
-    hard_buffer_ = gpu::make_device_buffer(device_, bytes_.lists,
+    list_buffer_ = gpu::make_device_buffer(device_, bytes_.lists,
                                            storage | vk::BufferUsageFlagBits::eTransferSrc |
                                                vk::BufferUsageFlagBits::eTransferDst |
                                                vk::BufferUsageFlagBits::eIndirectBuffer,
-                                           "hard pixels", gpu::Use::Lists);
+                                           "lists", gpu::Use::Lists);
 }
 
 void ShadingPass::make_picture() {
@@ -159,7 +185,7 @@ ShadingPass::FrameSet ShadingPass::make_set(const GBufferPass* gbuffer) const {
   }
   for (const gpu::UploadBuffer* upload : {&motion_slots_, &motion_buffer_})
     if (upload->bytes() > 0) gpu::bind_buffer(device_, bindings, binding++, upload->buffer());
-  if (bytes_.lists > 0) gpu::bind_buffer(device_, bindings, binding++, hard_buffer_, bytes_.arguments);
+  if (bytes_.lists > 0) gpu::bind_buffer(device_, bindings, binding++, list_buffer_, bytes_.arguments);
   check_eq(std::size_t{binding}, bindings.kinds.size(), "bindings of the shading pass");
   bind_depths(set, depths_.any, {});
   return set;
@@ -232,6 +258,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   masks_ = masks.size();
   faces_ = in_use.cube_mask.size() * kEyes;
   write_motion(views, in_use, frame);
+  write_spheres(views, in_use.movable, frame.movable);
   bind_depths(frame_sets_[frames_.place()], shown, masks);
   if (!masks.empty()) {
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
@@ -245,6 +272,11 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
 void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
   gpu::FrameData lit = frame;
   lit.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
+  if (edge_rays_ != nullptr && maps_ == nullptr) {
+    const std::bitset<kMaxLights> usable = edge_rays_->prepare(views, lights);
+    for (std::size_t i = 0; i < usable.size(); ++i)
+      if (usable[i]) lit.ray_lights[i / 128][static_cast<int>(i / 32 % 4)] |= 1u << i % 32;
+  }
   frame_buffer_.write(0, lit);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_buffer_.write(i, light_data(views, lights.lights[i], lights.exposure));
@@ -278,30 +310,44 @@ std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojecti
     moved_ = moved;
     for (const std::uint32_t pass : passes) keys.insert(key_of(pass, report));
   }
+  std::set<ShadingKey> rays;
+  for (auto key = keys.begin(); key != keys.end();)
+    key->pass == FARSHADE_PASS_RAYS ? static_cast<void>(rays.insert(keys.extract(key++)))
+                                    : static_cast<void>(++key);
   pipelines_.need_all(keys, need_layout(report));
+  pipelines_.need_all(rays, ray_layout_);
   std::vector<gpu::Recording> warm_ups;
+  keys.merge(rays);
   for (const ShadingKey& key : keys)
     warm_ups.emplace_back([this, key, report](const vk::raii::CommandBuffer& commands) {
-      bind_sets(commands, report);
+      const vk::raii::PipelineLayout& layout = layout_of(key.pass, report);
+      key.pass == FARSHADE_PASS_RAYS ? bind_ray_sets(commands) : bind_sets(commands, report);
       if (bytes_.lists > 0) empty_lists(commands);
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines_.need(key, need_layout(report)));
-      push_shown_eye(commands, need_layout(report), 0);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines_.need(key, layout));
+      push_shown_eye(commands, layout, 0);
       commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
     });
   return warm_ups;
 }
 
+const vk::raii::PipelineLayout& ShadingPass::layout_of(std::uint32_t pass, PixelReport report) {
+  return pass == FARSHADE_PASS_RAYS ? ray_layout_ : need_layout(report);
+}
+
 const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {
-  return pipelines_.need(key_of(pass, report), need_layout(report));
+  return pipelines_.need(key_of(pass, report), layout_of(pass, report));
 }
 
 /// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
 /// Where something has moved, one pipeline serves whole masks and others.
 ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
-  const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
+  const bool second_look =
+                 pass == FARSHADE_PASS_HARD || pass == FARSHADE_PASS_MOVING || pass == FARSHADE_PASS_SINGLE,
+             direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
           .reports = report == PixelReport::On,
-          .visibility = writes_visibilities(),
+          .visibility = writes_visibilities() && pass != FARSHADE_PASS_RAYS,
+          .edge_rays = pass == FARSHADE_PASS_EASY && traces_rays(),
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || reprojection_.gaps == Gaps::Neighbours,
           .filters_edges = direct || reprojection_.edges != Edges::Nearest,
@@ -339,24 +385,33 @@ void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32
 void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass,
                                PixelReport report) {
   bind(commands, pass, report);
+  dispatch_list(commands, need_layout(report), list_of(pass));
+}
+
+void ShadingPass::dispatch_list(const vk::raii::CommandBuffer& commands,
+                                const vk::raii::PipelineLayout& layout, std::uint32_t list) const {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    push_shown_eye(commands, need_layout(report), eye);
-    const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
-    commands.dispatchIndirect(*hard_buffer_.buffer, bytes_.arguments + list * sizeof(glm::uvec4));
+    push_shown_eye(commands, layout, eye);
+    commands.dispatchIndirect(*list_buffer_.buffer,
+                              bytes_.arguments + (eye * FARSHADE_LISTS + list) * sizeof(glm::uvec4));
   }
 }
 
 void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
-  std::array<glm::uvec4, 2 * kEyes> empty;
+  std::array<glm::uvec4, FARSHADE_LISTS * kEyes> empty;
   empty.fill({0, 0, 1, 0});
-  commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty);
+  commands.updateBuffer<glm::uvec4>(*list_buffer_.buffer, 0, empty);
   barrier(commands, At::eTransfer, Access::eTransferWrite, At::eComputeShader,
           Access::eShaderRead | Access::eShaderWrite);
 }
 
-/// The arguments of a dispatch may not lie where its shader could write.
+/// What has been listed is there for the next dispatches. The arguments of a dispatch may not lie where its
+/// shader could write.
 void ShadingPass::copy_arguments(const vk::raii::CommandBuffer& commands) const {
-  commands.copyBuffer(*hard_buffer_.buffer, *hard_buffer_.buffer,
+  barrier(commands, At::eComputeShader | At::eDrawIndirect,
+          Access::eShaderWrite | Access::eIndirectCommandRead, At::eComputeShader | At::eTransfer,
+          Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite);
+  commands.copyBuffer(*list_buffer_.buffer, *list_buffer_.buffer,
                       vk::BufferCopy{.dstOffset = bytes_.arguments, .size = kListHeads_bytes});
   barrier(commands, At::eTransfer, Access::eTransferRead | Access::eTransferWrite,
           At::eComputeShader | At::eDrawIndirect, Access::eShaderWrite | Access::eIndirectCommandRead);
@@ -365,17 +420,33 @@ void ShadingPass::copy_arguments(const vk::raii::CommandBuffer& commands) const 
 void ShadingPass::shade_sorted(const vk::raii::CommandBuffer& commands, PixelReport report) {
   empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
-  barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eTransfer,
-          Access::eShaderRead | Access::eShaderWrite | Access::eTransferRead | Access::eTransferWrite);
   copy_arguments(commands);
+  if (traces_rays()) {
+    record_edge_rays(commands);
+    bind_sets(commands, report);
+    shade_listed(commands, FARSHADE_PASS_FLIPPED, report);
+  }
   shade_listed(commands, FARSHADE_PASS_HARD, report);
   if (moved_ && motion_count_ > 0) shade_listed(commands, FARSHADE_PASS_MOVING, report);
+}
+
+void ShadingPass::bind_ray_sets(const vk::raii::CommandBuffer& commands) const {
+  const std::array<vk::DescriptorSet, 2> sets{*set_now().bindings.set, *edge_rays_->bindings().set};
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *ray_layout_, 0, sets, {});
+}
+
+void ShadingPass::record_edge_rays(const vk::raii::CommandBuffer& commands) {
+  bind_ray_sets(commands);
+  bind(commands, FARSHADE_PASS_RAYS, PixelReport::Off);
+  dispatch_list(commands, ray_layout_, list_of(FARSHADE_PASS_RAYS));
+  copy_arguments(commands);
 }
 
 void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport report) {
   if (report == PixelReport::On) make_report_buffer();
   gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &motion_slots_, &motion_buffer_,
                                  &device_masks_.words(), &device_masks_.known_blocks()});
+  if (traces_rays()) edge_rays_->record_uploads(commands);
   bind_sets(commands, report);
   if (!writes_visibilities()) gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {

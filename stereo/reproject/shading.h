@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "stereo/edge_rays/edge_rays.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/raster/gbuffer.h"
 #include "stereo/reproject/device_masks.h"
@@ -26,6 +27,7 @@ struct DatedMask {
 struct MasksInUse {
   std::vector<DatedMask> views;      ///< newest first, at most most_masks(plan)
   std::vector<DatedMask> cube_mask;  ///< at most most_cube_mask_pairs(plan)
+  std::vector<Sphere> movable{};     ///< of all instances that can move (MotionModel::bounds); for edge rays
 };
 
 /// The depth of the views that masks were requested for.
@@ -46,9 +48,11 @@ class ShadingPass {
   /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
   /// that `prepare` fills. Keeps the references except `motion` and `gbuffer`. Without a G-buffer (null) the
   /// pass writes visibilities instead of a picture, and `bind_images` must come before each `record`.
+  /// `edge_rays` is null unless the plan has them.
   ShadingPass(gpu::FramesInFlight& frames, const DrawPlan& plan, const GBufferPass* gbuffer,
               const MaskDepths& depths, DeviceMasks& device_masks, gpu::UploadBuffer& frame,
-              const MotionModel& motion, const ShadingBytes& bytes, Extent size);
+              const MotionModel& motion, const ShadingBytes& bytes, Extent size,
+              EdgeRays* edge_rays = nullptr);
 
   /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The depth of
   /// `views` will be `shown`, the first layers of an image. If the plan does not reproject masks, the lookup
@@ -82,6 +86,7 @@ class ShadingPass {
 
  private:
   [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report) const;
+  const vk::raii::PipelineLayout& layout_of(std::uint32_t pass, PixelReport report);
   const vk::raii::Pipeline& need_pipeline(std::uint32_t pass, PixelReport report);
   void make_all_pipelines();
   void assume_nothing();
@@ -107,10 +112,17 @@ class ShadingPass {
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
   void copy_arguments(const vk::raii::CommandBuffer& commands) const;
+  [[nodiscard]] bool traces_rays() const {
+    return edge_rays_ != nullptr && reprojection_.edges == Edges::Exact;
+  }
+  void bind_ray_sets(const vk::raii::CommandBuffer& commands) const;
+  void record_edge_rays(const vk::raii::CommandBuffer& commands);
   void shade_sorted(const vk::raii::CommandBuffer& commands, PixelReport report);
   void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
+  void dispatch_list(const vk::raii::CommandBuffer& commands, const vk::raii::PipelineLayout& layout,
+                     std::uint32_t list) const;
 
   gpu::FramesInFlight& frames_;
   const gpu::Device& device_;
@@ -122,9 +134,11 @@ class ShadingPass {
   ShadingBytes bytes_;
   gpu::UploadBuffer light_buffer_, motion_slots_, motion_buffer_;
   gpu::ReadbackBuffer report_buffer_;
-  gpu::Buffer hard_buffer_;
-  std::size_t motion_count_;  ///< of instances that can move
-  gpu::Image shown_;          ///< null if the pass writes visibilities
+  gpu::Buffer list_buffer_;
+  EdgeRays* edge_rays_;
+  vk::raii::PipelineLayout ray_layout_{nullptr};  ///< set 0 and that of the rays; null without rays
+  std::size_t motion_count_;                      ///< of instances that can move
+  gpu::Image shown_;                              ///< null if the pass writes visibilities
   vk::raii::Sampler nearest_{nullptr};
   std::vector<FrameSet> frame_sets_;  ///< by place of the frame in flight
   gpu::Bindings report_bindings_;     ///< the last set; empty until a report is requested

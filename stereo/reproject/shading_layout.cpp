@@ -49,7 +49,9 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
     bytes.motions = motion_index(moving, 0, 0) * sizeof(glm::mat4);
   }
   if (reprojects_masks(plan) && plan.passes == ShadingPasses::Sorted) {
-    bytes.arguments = kListHeads_bytes + kEyes * size.pixels() * 4;
+    std::size_t words = size.pixels();
+    if (plan.edge_rays) words += edge_capacity(size) * (2 + plan.mask.planes());
+    bytes.arguments = kListHeads_bytes + kEyes * words * 4;
     bytes.lists = bytes.arguments + kListHeads_bytes;
   }
   return bytes;

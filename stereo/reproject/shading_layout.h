@@ -28,8 +28,8 @@ namespace farshade {
   return plan.mask.lights == 0 ? 0 : reprojects_masks(plan) ? FARSHADE_MAX_MASKS : 1;
 }
 
-/// The size of the dispatch and the length of each list of pixels: two lists an eye (shade.comp).
-inline constexpr std::size_t kListHeads_bytes = 2 * kEyes * sizeof(glm::uvec4);
+/// The size of the dispatch and the length of each list (lists.glsl).
+inline constexpr std::size_t kListHeads_bytes = kEyes * FARSHADE_LISTS * sizeof(glm::uvec4);
 
 /// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.
 struct MaskBytes {
@@ -88,6 +88,11 @@ using GroupCounts = std::array<std::uint32_t, 2>;
   const GroupCounts picture = picture_groups(size),
                     listed = listed_groups(size.pixels(), row_groups(most[0]));
   return picture[0] <= most[0] && picture[1] <= most[1] && listed[1] <= most[1];
+}
+
+/// The edges that fit into an eye's list.
+[[nodiscard]] constexpr std::size_t edge_capacity(Extent size) {
+  return (size.pixels() + FARSHADE_PIXELS_PER_EDGE - 1) / FARSHADE_PIXELS_PER_EDGE;
 }
 
 /// For shown eyes of `size` and masks of at most `traced_size` pixels.

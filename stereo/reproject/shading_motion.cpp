@@ -35,18 +35,23 @@ bool write_group(const StereoView& views, const MaskMotions& since, std::size_t 
     if (stale[i]) frame.stale_lights[group * 2 + i / 128][word] |= 1u << i % 32;
     if (changed[i]) frame.changed_lights[i / 128][word] |= 1u << i % 32;
   }
-  for (std::size_t eye = 0; eye < kEyes; ++eye)
-    for (std::size_t i = 0; i < kMostSpheres; ++i) {
-      glm::vec4& sphere = frame.moved[(group * kEyes + eye) * kMostSpheres + i];
-      sphere = {0, 0, 0, -1};
-      if (i < moved.size())
-        sphere = glm::vec4(moved[i].centre.v - views[eye].stage_from_eye.translation,
-                           moved[i].radius * moved[i].radius);
-    }
+  write_spheres(views, moved,
+                std::span(frame.moved).subspan(group * kEyes * kMostSpheres, kEyes * kMostSpheres));
   return stale.any() || !moved.empty();
 }
 
 }  // namespace
+
+void write_spheres(const StereoView& views, std::span<const Sphere> spheres, std::span<gpu::vec4> into) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for (std::size_t i = 0; i < kMostSpheres; ++i) {
+      glm::vec4& sphere = into[eye * kMostSpheres + i];
+      sphere = {0, 0, 0, -1};
+      if (i < spheres.size())
+        sphere = glm::vec4(spheres[i].centre.v - views[eye].stage_from_eye.translation,
+                           spheres[i].radius * spheres[i].radius);
+    }
+}
 
 void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
                    WriteOnly<glm::mat4> matrices) {

@@ -29,6 +29,10 @@ struct MaskMotions {
 void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
                    WriteOnly<glm::mat4> matrices);
 
+/// Writes spheres relative to each eye, kMostSpheres an eye; those that are not used have a negative
+/// radius^2.
+void write_spheres(const StereoView& views, std::span<const Sphere> spheres, std::span<gpu::vec4> into);
+
 /// Writes the lights that are stale and the bounding spheres of moved instances to `frame`. Returns whether
 /// anything has moved since a mask in use was traced.
 bool write_stale(const StereoView& views, const MaskMotions& since, gpu::FrameData& frame);

@@ -5,6 +5,8 @@
 #include <bit>
 #include <iterator>
 
+#include "shaders/edge_rays.comp.spv.h"
+#include "shaders/edge_rays_motion.comp.spv.h"
 #include "shaders/shade_direct.comp.spv.h"
 #include "shaders/shade_direct_report.comp.spv.h"
 #include "shaders/shade_direct_visibility.comp.spv.h"
@@ -20,6 +22,12 @@
 #include "shaders/shade_few_motion_visibility.comp.spv.h"
 #include "shaders/shade_few_report.comp.spv.h"
 #include "shaders/shade_few_visibility.comp.spv.h"
+#include "shaders/shade_flipped.comp.spv.h"
+#include "shaders/shade_flipped_motion.comp.spv.h"
+#include "shaders/shade_flipped_motion_report.comp.spv.h"
+#include "shaders/shade_flipped_motion_visibility.comp.spv.h"
+#include "shaders/shade_flipped_report.comp.spv.h"
+#include "shaders/shade_flipped_visibility.comp.spv.h"
 #include "shaders/shade_hard.comp.spv.h"
 #include "shaders/shade_hard_motion.comp.spv.h"
 #include "shaders/shade_hard_motion_report.comp.spv.h"
@@ -60,6 +68,10 @@ struct MotionVariants {
 const MotionVariants kEasy{
     {shade_easy_comp_spv, shade_easy_report_comp_spv, shade_easy_visibility_comp_spv},
     {shade_easy_motion_comp_spv, shade_easy_motion_report_comp_spv, shade_easy_motion_visibility_comp_spv}},
+    kRays{{edge_rays_comp_spv, {}}, {edge_rays_motion_comp_spv, {}}},
+    kFlipped{{shade_flipped_comp_spv, shade_flipped_report_comp_spv, shade_flipped_visibility_comp_spv},
+             {shade_flipped_motion_comp_spv, shade_flipped_motion_report_comp_spv,
+              shade_flipped_motion_visibility_comp_spv}},
     kHard{{shade_hard_comp_spv, shade_hard_report_comp_spv, shade_hard_visibility_comp_spv},
           {shade_hard_motion_comp_spv, shade_hard_motion_report_comp_spv,
            shade_hard_motion_visibility_comp_spv}},
@@ -77,6 +89,8 @@ const MotionVariants kEasy{
 /// Of a pass that reprojects masks.
 const MotionVariants& motion_variants_of(std::uint32_t pass, std::uint32_t lights) {
   if (pass == FARSHADE_PASS_EASY) return kEasy;
+  if (pass == FARSHADE_PASS_RAYS) return kRays;
+  if (pass == FARSHADE_PASS_FLIPPED) return kFlipped;
   const bool few = lights <= FARSHADE_FEW_LIGHTS;
   if (pass == FARSHADE_PASS_SINGLE) return few ? kSingleFewLights : kSingle;
   return few ? kFewLights : kHard;
@@ -116,6 +130,7 @@ std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& p
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
   constants[FARSHADE_CONSTANT_CUBE_MASK] = plan.cube_mask;
+  constants[FARSHADE_CONSTANT_EDGE_RAYS] = key.edge_rays;
   constants[FARSHADE_CONSTANT_ROW_GROUPS] = row_groups(device.max_groups[0]);
   return constants;
 }

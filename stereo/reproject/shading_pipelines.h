@@ -17,6 +17,7 @@ struct ShadingKey {
   std::uint32_t pass = 0;   ///< FARSHADE_PASS_*
   bool reports = false;     ///< writes the report
   bool visibility = false;  ///< writes the visibility of each light instead of a picture
+  bool edge_rays = false;   ///< lists pixels at shadow edges apart
   bool other_eye = false;   ///< masks traced for the other eye are sources, too
   bool neighbours = true;   ///< points that no view saw take bits from a neighbour
   bool filters_edges = true;

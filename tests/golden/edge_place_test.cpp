@@ -117,6 +117,19 @@ TEST_F(EdgePlace, IsWithinATenthOfAPixelOnTheMean) {
   EXPECT_LT(one_mask.distance_px(), nearest.distance_px());
 }
 
+TEST_F(EdgePlace, IsWithinAHundredthOfAPixelWithRaysOfTheClient) {
+  TestRig rig = TestRig::with_edge_rays(device_, bundled("box_over_plane.gltf"), kSide_px);
+  EdgeSums exact;
+  const StereoView now = turned(0);
+  for (int eighth = 1; eighth < 8; ++eighth) {
+    const Mask mask = rig.ask(kTraced, turned(eighth / 8.0 + 1));
+    add(rig.show(now, {mask.traced_mask()}, {.edges = Edges::Exact}), now, exact);
+  }
+  std::printf("distance of shadow edges from their places with rays, pixels: %.5f\n", exact.distance_px());
+  EXPECT_GT(exact.length, 5000);
+  EXPECT_LT(exact.distance_px(), 0.01);
+}
+
 /// Errors of the visibilities of the first eight lights, and of all others.
 using ErrorSums = std::array<double, 2>;
 

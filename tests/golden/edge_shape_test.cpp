@@ -116,11 +116,11 @@ class EdgeShapes : public OnLavapipe, public testing::WithParamInterface<EdgeSha
 };
 
 TEST_P(EdgeShapes, AreWhereTheOracleSeesThemAtAnyPartOfAPixel) {
-  TestRig rig(device_, scene_of(GetParam()), kShapeSide_px, 8);
+  TestRig rig = TestRig::with_edge_rays(device_, scene_of(GetParam()), kShapeSide_px);
   const Rigid<Stage, Head> head = head_looking({0.3, 1.7, 1.9}, {0, 0.3, 0});
   std::mt19937 random(5);
   std::uniform_real_distribution<double> part(-1, 1);
-  ShapeErrors nearest, one_mask, four_masks;
+  ShapeErrors nearest, one_mask, four_masks, rays;
   for (int round = 0; round < 4; ++round) {
     const auto turned = [&](double pixels) {
       const double turn_rad = pixels * 1.1 / kShapeSide_px;
@@ -136,17 +136,21 @@ TEST_P(EdgeShapes, AreWhereTheOracleSeesThemAtAnyPartOfAPixel) {
     const PerEye<oracle::Masks> truth{oracle::trace(rig.scene(), state, now[0]),
                                       oracle::trace(rig.scene(), state, now[1])};
     add(rig.show(now, traced), truth, four_masks);
+    add(rig.show(now, traced, {.edges = Edges::Exact}), truth, rays);
     add(rig.show(now, {traced[0]}), truth, one_mask);
     add(rig.show(now, traced, {.edges = Edges::Nearest}), truth, nearest);
   }
   const auto percent = [](const ShapeErrors& of, double sum) {
     return 100 * sum / static_cast<double>(of.all);
   };
-  std::printf("%s: mask error %.3f %%, one mask %.3f %%, nearest pixel %.3f %%; away from edges %.4f %%\n",
-              GetParam().name, percent(four_masks, four_masks.sum), percent(one_mask, one_mask.sum),
-              percent(nearest, nearest.sum), percent(four_masks, four_masks.far));
+  std::printf(
+      "%s: mask error %.3f %%, with rays %.3f %%, one mask %.3f %%, nearest pixel %.3f %%; away from edges "
+      "%.4f %%\n",
+      GetParam().name, percent(four_masks, four_masks.sum), percent(rays, rays.sum),
+      percent(one_mask, one_mask.sum), percent(nearest, nearest.sum), percent(four_masks, four_masks.far));
   EXPECT_GT(percent(nearest, nearest.sum), 0.2) << "there are edges";
   EXPECT_LT(four_masks.sum, GetParam().most * nearest.sum);
+  EXPECT_LT(rays.sum, 0.35 * four_masks.sum);
   EXPECT_LE(one_mask.sum, nearest.sum);
   EXPECT_LE(percent(four_masks, four_masks.far), GetParam().most_away);
 }

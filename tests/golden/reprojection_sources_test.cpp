@@ -259,8 +259,7 @@ TEST_P(FilteredEdges, AreNearerToTheTruthAndChangeNothingElse) {
   const StereoView now = moved_by(0);
   const Mask truth = rig.trace(kNow, now);
   const Shown nearest = rig.show(now, traced_masks, plain_and(Eyes::Both, Gaps::Neighbours)),
-              filtered =
-                  rig.show(now, traced_masks, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Filtered));
+              filtered = rig.show(now, traced_masks, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Line));
   double nearest_error = 0, filtered_error = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const EyeErrors a = compare_masks(nearest.reports[eye], truth.bits[eye]),

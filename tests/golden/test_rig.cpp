@@ -200,15 +200,30 @@ void for_covered(const Shown& shown, const Visit& visit) {
 }
 
 TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
-                 float detail_px, std::optional<ShadingPasses> passes)
+                 const std::function<DrawPlan(const Scene&)>& plan_of)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
       depth_frames_(depth_frames),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(make_renderer(
-          device, scene_, plan_of(scene_, detail_px, passes.value_or(tested_passes(device))),
+          device, scene_, plan_of(scene_),
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
+}
+
+TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
+                 float detail_px, std::optional<ShadingPasses> passes)
+    : TestRig(device, std::move(scene), side_px, depth_frames, [&](const Scene& its) {
+        return plan_of(its, detail_px, passes.value_or(tested_passes(device)));
+      }) {}
+
+TestRig TestRig::with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px,
+                                std::uint32_t depth_frames) {
+  return {device, std::move(scene), side_px, depth_frames, [](const Scene& its) {
+            DrawPlan plan = plan_of(its, 0, ShadingPasses::Sorted);
+            plan.edge_rays = true;
+            return plan;
+          }};
 }
 
 Mask TestRig::trace(FrameId frame, const StereoView& views) {

@@ -114,6 +114,10 @@ class TestRig {
   TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4,
           float detail_px = 0, std::optional<ShadingPasses> passes = {});
 
+  /// A rig whose pictures can have Edges::Exact; in full detail, with sorted passes.
+  [[nodiscard]] static TestRig with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px,
+                                              std::uint32_t depth_frames = 8);
+
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Renderer& renderer() { return *renderer_; }
   [[nodiscard]] Rigid<Stage, Head> head() const { return head_at_camera(scene_); }
@@ -151,6 +155,8 @@ class TestRig {
   void set_lights(const LightChanges& changes) { state_ = state_at(scene_, state_.scene_time, changes); }
 
  private:
+  TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
+          const std::function<DrawPlan(const Scene&)>& plan_of);
   [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                        const Reprojection& reprojection) const;
 

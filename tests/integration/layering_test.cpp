@@ -34,8 +34,8 @@ std::vector<Library> libraries() {
 }
 
 /// The folders that both programs share: base <- math <- frame <- messages, then sealing <- net and codec <-
-/// answers beside each other, scene <- gltf, raster <- shadow_maps <- reproject <- draw, the others beside
-/// them.
+/// answers beside each other, scene <- gltf, raster <- shadow_maps <- edge_rays <- reproject <- draw, the
+/// others beside them.
 std::vector<Layer> shared_layers() {
   return {{"stereo/base", {}},
           {"stereo/math", {"stereo/base"}},
@@ -62,7 +62,8 @@ std::vector<Layer> shared_layers() {
           {"stereo/lod", {"stereo/scene", "stereo/frame"}},
           {"stereo/raster", {"stereo/plan", "stereo/gpu", "stereo/lod", "shaders"}},
           {"stereo/shadow_maps", {"stereo/raster"}},
-          {"stereo/reproject", {"stereo/shadow_maps"}},
+          {"stereo/edge_rays", {"stereo/shadow_maps"}},
+          {"stereo/reproject", {"stereo/edge_rays"}},
           {"stereo/draw", {"stereo/reproject"}},
           {"stereo/embed", {"stereo/draw"}},
           {"stereo/video", {"stereo/frame", "stereo/image"}},

@@ -135,7 +135,7 @@ TEST(ReadOptions, AcceptsEveryOption) {
 
 TEST(ReadOptions, EdgesCanBeCoverage) {
   EXPECT_EQ(read_more({"--edges", "coverage"}).options.value().reprojection.edges, Edges::Coverage);
-  EXPECT_EQ(read_more({}).options.value().reprojection.edges, Edges::Filtered);
+  EXPECT_EQ(read_more({}).options.value().reprojection.edges, Edges::Line);
 }
 
 TEST(ReadOptions, AHeadStandsWhereTheUserSays) {
@@ -200,7 +200,7 @@ TEST(ReadOptions, ExitsWith0AfterHelp) {
 TEST(ReadOptions, HelpNamesWordsRangesAndDefaultsOnly) {
   const std::string out = read({"--help"}).out;
   for (const char* said : {"hybrid|client-positions|server-gbuffer|remote|delta|local|full (default: hybrid)",
-                           "virtual|real (default: virtual)", "filtered|nearest|coverage (default: filtered)",
+                           "virtual|real (default: virtual)", "exact|line|nearest|coverage (default: line)",
                            "needed|everything", "NUMBER (1 to 4294967295)", "NUMBER (0 to 500, default: 20)"})
     EXPECT_NE(out.find(said), std::string::npos) << said << "\n" << out;
   for (const char c : out) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << int{c};

@@ -1,0 +1,199 @@
+// Edge rays: the client's own shadow rays. Where the four pixels of the newest mask around a point differ in a light, a ray
+// from the point to the light decides. The triangles that it can meet are in the light's list for its direction
+// (stereo/edge_rays/light_buffer.h). This pass works on the listed edges. It lists those where a bit of the mask is wrong, with
+// these bits, and lists those that it cannot decide as hard. Buffers of texels, because lavapipe reads a storage buffer
+// once for each lane.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/edge_rays_data.h"
+#include "shaders/shade_data.h"
+#include "shaders/shared.h"
+
+layout(local_size_x = FARSHADE_SHADE_GROUP) in;
+
+const uint kPass = FARSHADE_PASS_RAYS;  // points are looked up as in the first pass
+const bool kSecondLook = false;
+#include "shaders/shading.glsl"
+#include "shaders/lists.glsl"
+
+layout(set = 1, binding = 0) uniform samplerBuffer ray_lights;  // ShadowMapData; the last: the triangles' origin
+layout(set = 1, binding = 1) uniform usamplerBuffer light_buffers;
+layout(set = 1, binding = 2) uniform samplerBuffer triangle_corners;  // w of the first of three: 1 if it has holes
+
+vec4 ray_light(uint light, uint row) { return texelFetch(ray_lights, int(light * FARSHADE_RAY_LIGHT_ROWS + row)); }
+
+ShadowMapData projection_of(uint light) {
+  ShadowMapData map;
+  map.right = ray_light(light, 0);
+  map.up = ray_light(light, 1);
+  map.ahead = ray_light(light, 2);
+  map.origin[shown_eye] = ray_light(light, 3 + shown_eye);
+  map.place = floatBitsToUint(ray_light(light, 5));
+  return map;
+}
+
+// A ray between a point and a light.
+struct Ray {
+  vec3 point;   // relative to the triangles' origin
+  vec3 along;   // from the light to the point; of a parallel light, unit
+  bool parallel;
+  float slack;  // metres
+};
+
+// The texel of a light's buffer that contains the direction of a ray, and its words' start.
+uint texel_of(ShadowMapData map, vec3 from_light, out vec2 inside) {
+  uint layer = 0;
+  vec2 at;
+  if (map.place.x == FARSHADE_MAP_CUBE) {
+    vec3 size = abs(from_light);
+    bool x = size.x >= size.y && size.x >= size.z, y = !x && size.y >= size.z;
+    vec3 p = x ? from_light.zyx : y ? from_light.xzy : from_light;
+    layer = (x ? 0u : y ? 2u : 4u) + uint(p.z < 0.0);
+    at = p.xy / abs(p.z);
+  } else {
+    vec3 p = from_light * mat3(map.right.xyz, map.up.xyz, map.ahead.xyz);
+    at = map.place.x == FARSHADE_MAP_PARALLEL ? p.xy : p.xy / p.z;
+  }
+  const float side = float(FARSHADE_LIGHT_BUFFER_SIDE);
+  at = clamp(at * vec2(map.right.w, -map.up.w) + 0.5 * side, vec2(0.0), vec2(side - 1e-3));
+  inside = fract(at);
+  return (layer * FARSHADE_LIGHT_BUFFER_SIDE + uint(at.y)) * FARSHADE_LIGHT_BUFFER_SIDE + uint(at.x);
+}
+
+// The place of the list of triangles that a ray may meet; 0 if it is empty.
+uint list_at(ShadowMapData map, vec3 from_light) {
+  vec2 inside;
+  uint word = texelFetch(light_buffers, int(map.place.y + texel_of(map, from_light, inside))).x;
+  [[unroll]] for (uint division = 0; division < FARSHADE_LIGHT_BUFFER_DIVISIONS; ++division) {
+    inside *= float(FARSHADE_LIGHT_BUFFER_PARTS);
+    uvec2 part = uvec2(inside);  // less than FARSHADE_LIGHT_BUFFER_PARTS
+    inside -= vec2(part);
+    bool divided = (word & FARSHADE_DIVIDED) != 0u;
+    uint at = divided ? (word & ~FARSHADE_DIVIDED) + part.y * FARSHADE_LIGHT_BUFFER_PARTS + part.x : 0u;
+    uint of_part = texelFetch(light_buffers, int(map.place.y + at)).x;
+    word = divided ? of_part : word;
+  }
+  return word;
+}
+
+// Whether a triangle lies between point and light. Triangles that share an edge share its sign, so rays do not pass between
+// them. A triangle whose plane is within `slack` of the point does not count: the point may lie on it.
+bool is_between(vec3 a, vec3 b, vec3 c, Ray ray) {
+  a -= ray.point;
+  b -= ray.point;
+  c -= ray.point;
+  vec3 n = cross(b - a, c - a);
+  vec3 side = vec3(dot(ray.along, cross(a, b)), dot(ray.along, cross(b, c)), dot(ray.along, cross(c, a)));
+  bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
+  float distance = dot(n, a), whole = -dot(n, ray.along);  // the ray meets the plane at distance / whole of it
+  bool beyond = distance * distance > ray.slack * ray.slack * dot(n, n) && distance * whole > 0.0;
+  return inside && beyond && (ray.parallel || abs(distance) < abs(whole));
+}
+
+// What lies between a point and a light. `undecided`: only what may have a hole there.
+struct Met {
+  bool dark, undecided;
+};
+
+Met trace(uint light, vec3 p, vec3 n, float slack) {
+  ShadowMapData map = projection_of(light);
+  vec3 from_light = p - map.origin[shown_eye].xyz;
+  Ray ray;
+  ray.point = p - ray_light(kLights, 3 + shown_eye).xyz;
+  ray.parallel = map.place.x == FARSHADE_MAP_PARALLEL;
+  ray.along = ray.parallel ? map.ahead.xyz : from_light;
+  ray.slack = slack;
+  uint list = list_at(map, from_light);
+  Met met = Met(dot(n, ray.along) >= 0.0, false);
+  bool more = list != 0u && !met.dark;
+  for (int i = int(map.place.y + list); more; ++i) {
+    uint word = texelFetch(light_buffers, i).x;
+    int corner = int(word & ~FARSHADE_LAST) * 3;
+    vec4 first = texelFetch(triangle_corners, corner);
+    bool hit = is_between(first.xyz, texelFetch(triangle_corners, corner + 1).xyz, texelFetch(triangle_corners, corner + 2).xyz, ray);
+    bool has_holes = first.w != 0.0;
+    met.dark = met.dark || (hit && !has_holes);
+    met.undecided = met.undecided || (hit && has_holes);
+    more = !met.dark && (word & FARSHADE_LAST) == 0u;
+  }
+  return met;
+}
+
+// Whether something that can move may lie between the point and the light.
+bool passes_movable(vec3 p, uint light) {
+#ifdef MOTION
+  vec4 place = lights[light].position[shown_eye];
+  vec3 to_light = place.xyz - p * place.w;
+  float distance = length(to_light);
+  to_light /= distance;
+  bool passed = false;
+  [[unroll]] for (uint i = 0; i < FARSHADE_MAX_MOVED; ++i)
+    passed = passed || passes(frame.movable[shown_eye * FARSHADE_MAX_MOVED + i], p, to_light, place.w == 0.0 ? 1e30 : distance);
+  return passed;
+#else
+  return false;
+#endif
+}
+
+// A plane counts from this distance on. The drawn surface may lie kDetail_px off the true one, mostly much less; the
+// rounding of depth and corners grows with the distance (docs/edge-rays.md has the measurements).
+const float kSlackOfDetail = 0.5, kSlackOfDistance = 4e-6;
+
+float slack_at(Surface surface) {
+  vec4 window = frame.eye[shown_eye].window.origin_step;
+  float pixel = max(abs(window.z), abs(window.w));
+  return -surface.position.z * (kSlackOfDetail * kDetail_px * pixel + kSlackOfDistance);
+}
+
+// The lights of a plane in which the four mask pixels around the point differ.
+uint mixed_lights(SourceData newest, Sample taken, uint plane) {
+  ivec2 corner = corner_at(taken.at);
+  uint some = 0u, all = ~0u;
+  [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
+    uint bits = mask_bits(newest, inside(newest, tap_at(corner, tap)), plane);
+    some |= bits;
+    all &= bits;
+  }
+  uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
+  return some & ~all & used;
+}
+
+void main() {
+  uint i = listed_entry(), packed_pixel = 0u;
+  bool listed = i < min(lists[list_of(FARSHADE_LIST_EDGES)].w, edge_capacity());
+  if (listed) packed_pixel = list_words[edge_word(i)];
+  ivec2 pixel = unpacked(packed_pixel);
+  float depth = texelFetch(shown_depths, ivec3(pixel, shown_eye), 0).r;
+  uvec2 stored = texelFetch(surfaces, ivec3(pixel, shown_eye), 0).xy;
+  Surface surface = surface_at(pixel, depth, stored.y);
+  mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
+  vec3 p = turn * surface.position, n = unfolded(unpackSnorm2x16(stored.x));
+  float slack = slack_at(surface);
+  Sample taken = first_sample(surface);
+  SourceData newest = source_of(kNewest);
+  uint flips[kPlanes], any = 0u;
+  bool hard = false;
+  [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {
+    uint mixed = listed ? mixed_lights(newest, taken, plane) : 0u, has_buffer = frame.ray_lights[plane / 4][plane % 4];
+    uint lit = mask_bits(newest, inside(newest, taken.pixel), plane);
+    hard = hard || (mixed & ~has_buffer) != 0u;
+    mixed &= has_buffer;
+    flips[plane] = 0u;
+    while (mixed != 0u) {
+      uint bit = findLSB(mixed), light = plane * 32 + bit;
+      mixed &= mixed - 1;
+      Met met = trace(light, p, n, slack);
+      bool dark = met.dark, undecided = !dark && (met.undecided || passes_movable(p, light));
+      hard = hard || undecided;
+      flips[plane] |= uint(dark == ((lit >> bit & 1u) != 0u)) << bit;
+    }
+    any |= flips[plane];
+  }
+  if (hard) list_as_hard(pixel, surface.slot != 0u);
+  if (any != 0u && !hard) {
+    uint word = flipped_word(append(FARSHADE_LIST_FLIPPED), 0);
+    list_words[word] = packed_pixel;
+    [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) list_words[word + 1 + plane] = flips[plane];
+  }
+}

@@ -1,0 +1,102 @@
+#include "stereo/edge_rays/edge_rays.h"
+
+#include "stereo/gpu/upload.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t kStaging_bytes = 16 << 20;
+
+const std::vector<gpu::BindingKind> kRaySet{
+    {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute},
+    {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute},
+    {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute}};
+
+template <class T>
+gpu::Buffer on_device(const gpu::Device& device, const std::vector<T>& content, const char* name) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(content));
+  gpu::Buffer buffer = gpu::make_device_buffer(
+      device, bytes.size(),
+      vk::BufferUsageFlagBits::eUniformTexelBuffer | vk::BufferUsageFlagBits::eTransferDst, name,
+      gpu::Use::EdgeRays);
+  gpu::BufferUpload upload(device, kStaging_bytes);
+  upload.write(buffer, 0, bytes);
+  upload.flush();
+  return buffer;
+}
+
+/// The corners of all triangles as texels; w of a triangle's first corner is 1 if it has holes.
+std::vector<glm::vec4> texels_of(const CasterTriangles& casters) {
+  std::vector<glm::vec4> texels;
+  texels.reserve(3 * casters.corners.size() + 1);
+  for (std::size_t t = 0; t < casters.corners.size(); ++t)
+    for (const glm::vec3& corner : casters.corners[t])
+      texels.emplace_back(corner, casters.has_holes[t] ? 1.0f : 0.0f);
+  texels.emplace_back(0.0f);  // a buffer has a size
+  return texels;
+}
+
+/// The projection of the light buffer of each light.
+std::vector<LightShadowMaps> light_projections(const Scene& scene, std::span<const Light> lights) {
+  std::vector<Point<Stage>> corners;
+  for (int corner = 0; corner < 8; ++corner) corners.push_back({scene.bounds.corner(corner)});
+  ShadowMapSettings settings;
+  settings.side_px = FARSHADE_LIGHT_BUFFER_SIDE;
+  settings.pcf_radius = 0;
+  return shadow_map_views(lights, corners, settings).lights;
+}
+
+/// Whether rays to `now` may use the buffer that was made for `then`.
+bool same_place(const Light& then, const Light& now) {
+  if (now.kind == LightKind::Directional) return then.direction == now.direction;
+  return then.position == now.position && (now.kind == LightKind::Point || then.direction == now.direction);
+}
+
+}  // namespace
+
+EdgeRays::EdgeRays(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan)
+    : places_(gpu::make_upload_buffer(frames, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
+                                      vk::BufferUsageFlagBits::eUniformTexelBuffer, "places of ray lights",
+                                      gpu::Use::EdgeRays)) {
+  const gpu::Device& device = frames.device();
+  const CasterTriangles casters = caster_triangles(scene, plan);
+  origin_ = casters.origin;
+  const SceneState state = state_at(scene, {});
+  const std::vector<LightShadowMaps> projections = light_projections(scene, state.light_set.lights);
+  std::vector<std::uint32_t> words;
+  for (std::size_t i = 0; i < projections.size(); ++i) {
+    Buffered light{state.light_set.lights[i], projections[i]};
+    if (scene.nodes[scene.lights[i].node].moving) light.projection.view.kind = FARSHADE_MAP_NONE;
+    light.projection.first_layer = narrow<std::uint32_t>(words.size());
+    if (light.projection.view.kind != FARSHADE_MAP_NONE) {
+      const LightBuffer buffer = make_light_buffer(light.projection.view, casters);
+      words.insert(words.end(), buffer.begin(), buffer.end());
+    }
+    lights_.push_back(light);
+  }
+  words.push_back(0);  // a buffer has a size
+  words_ = on_device(device, words, "light buffers");
+  corners_ = on_device(device, texels_of(casters), "caster triangles");
+  words_view_ = gpu::view_texels(device, words_, vk::Format::eR32Uint);
+  corners_view_ = gpu::view_texels(device, corners_, vk::Format::eR32G32B32A32Sfloat);
+  bindings_ = gpu::make_bindings(device, kRaySet, "edge rays");
+  places_view_ = gpu::view_texels(device, places_.buffer(), vk::Format::eR32G32B32A32Sfloat);
+  gpu::bind_texels(device, bindings_, 0, *places_view_);
+  gpu::bind_texels(device, bindings_, 1, *words_view_);
+  gpu::bind_texels(device, bindings_, 2, *corners_view_);
+}
+
+std::bitset<kMaxLights> EdgeRays::prepare(const StereoView& shown, const LightSet& lights) {
+  std::bitset<kMaxLights> usable;
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    places_.write(i, shadow_map_data(shown, lights_[i].projection));
+    usable[i] = lights_[i].projection.view.kind != FARSHADE_MAP_NONE &&
+                same_place(lights_[i].light, lights.lights[i]);
+  }
+  LightShadowMaps origin;
+  origin.view.origin = origin_;
+  places_.write(lights_.size(), shadow_map_data(shown, origin));
+  return usable;
+}
+
+}  // namespace farshade

@@ -1,0 +1,27 @@
+/// LightBuffer: for one light, the triangles that may lie between it and any point, by direction (E. Haines,
+/// D. Greenberg, "The light buffer: a shadow-testing accelerator", IEEE CG&A 6(9), 1986). Directions are the
+/// texels of a shadow map's projection. A texel lists every triangle that its pyramid meets (J. Story,
+/// "Hybrid ray-traced shadows", GDC 2015), the one nearest to the light first, but none that lies behind a
+/// triangle that covers the whole texel. A texel with a long list is divided into kParts x kParts smaller
+/// ones, and so on. Pure; no device needed.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "shaders/edge_rays_data.h"
+#include "stereo/edge_rays/caster_triangles.h"
+#include "stereo/shadow_maps/shadow_map_views.h"
+
+namespace farshade {
+
+/// First the texels, by layer, row and column. A texel is a word: 0 for an empty list; FARSHADE_DIVIDED plus
+/// the index of its first part; or the index of its list. A list is the numbers of triangles; the last one
+/// has FARSHADE_LAST added. Indices count from the first word of the buffer.
+using LightBuffer = std::vector<std::uint32_t>;
+
+/// `view` is the projection of a light that shines, with FARSHADE_LIGHT_BUFFER_SIDE texels a side. Uses all
+/// cores.
+[[nodiscard]] LightBuffer make_light_buffer(const MapView& view, const CasterTriangles& casters);
+
+}  // namespace farshade

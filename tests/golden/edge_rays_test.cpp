@@ -1,0 +1,170 @@
+/// Edge rays: the client's own rays decide at shadow edges (Edges::Exact), against full traces of what is
+/// shown.
+#include <cmath>
+#include <cstdio>
+
+#include "tests/golden/test_rig.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t kSide_px = 256;
+constexpr Reprojection kExact{.edges = Edges::Exact}, kLine{.edges = Edges::Line};
+
+/// The mean error of visibilities at pixels that the newest mask of their eye knows.
+double error_of(const Shown& shown, const Mask& truth) {
+  const std::size_t lights = truth.bits[0].lights();
+  double wrong = 0, total = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    if (source != 0) return;
+    const std::size_t pixel = std::size_t{y} * kSide_px + x;
+    for (std::uint32_t light = 0; light < lights; ++light) {
+      const double k = shown.reports[index_of(side)].visibility[pixel * lights + light] / 255.0;
+      wrong += std::abs(k - truth.bits[index_of(side)].lit(x, y, light));
+      ++total;
+    }
+  });
+  return wrong / total;
+}
+
+/// Whether the four pixels of a mask around a position differ in a light.
+bool mixed_about(const EyeMask& mask, const std::array<float, 2>& at, std::uint32_t light) {
+  int pixels = 0, lit = 0;
+  for (int tap = 0; tap < 4; ++tap) {
+    const int x = static_cast<int>(std::floor(at[0] - 0.5f)) + tap % 2,
+              y = static_cast<int>(std::floor(at[1] - 0.5f)) + tap / 2;
+    const auto width = static_cast<int>(mask.size().width), height = static_cast<int>(mask.size().height);
+    if (x < 0 || y < 0 || x >= width || y >= height) continue;
+    ++pixels;
+    lit += mask.lit(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), light) ? 1 : 0;
+  }
+  return lit > 0 && lit < pixels;
+}
+
+/// Pixels and lights for which a ray decides, and the sum of the errors there.
+struct RayErrors {
+  double wrong = 0;
+  std::size_t rays = 0;
+};
+
+RayErrors ray_errors(const Shown& shown, const Mask& newest, const Mask& truth) {
+  RayErrors sum;
+  const std::size_t lights = truth.bits[0].lights();
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    if (source != 0) return;
+    const ShownReport& report = shown.reports[index_of(side)];
+    const std::size_t pixel = std::size_t{y} * kSide_px + x;
+    for (std::uint32_t light = 0; light < lights; ++light) {
+      if (!mixed_about(newest.bits[index_of(side)], report.positions[pixel], light)) continue;
+      const double k = report.visibility[pixel * lights + light] / 255.0;
+      sum.wrong += std::abs(k - truth.bits[index_of(side)].lit(x, y, light));
+      ++sum.rays;
+    }
+  });
+  return sum;
+}
+
+bool same_visibility(const Shown& a, const Shown& b) {
+  return a.reports[0].visibility == b.reports[0].visibility &&
+         a.reports[1].visibility == b.reports[1].visibility;
+}
+
+class EdgeRaysIn : public OnLavapipe {
+ protected:
+  /// Masks of the poses before, newest first.
+  static std::vector<Mask> masks_of(TestRig& rig, const std::function<Rigid<Stage, Head>(double)>& head_at) {
+    std::vector<Mask> masks;
+    for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(rig.ask({10 - i}, rig.eyes(head_at(1 + 0.37 * i))));
+    return masks;
+  }
+
+  static std::vector<TracedMask> traced(const std::vector<Mask>& masks) {
+    std::vector<TracedMask> result;
+    for (const Mask& mask : masks) result.push_back(mask.traced_mask());
+    return result;
+  }
+
+  struct Errors {
+    double line, exact;
+    RayErrors of_rays;
+  };
+  static Errors errors(TestRig& rig, const glm::dvec3& step_m, double yaw_rad) {
+    const auto head_at = [&](double times) { return moved(rig.head(), yaw_rad * times, step_m * times); };
+    const std::vector<Mask> masks = masks_of(rig, head_at);
+    const StereoView now = rig.eyes(head_at(0));
+    const Mask truth = rig.trace(kNow, now);
+    const Shown exact = rig.show(now, traced(masks), kExact);
+    return {error_of(rig.show(now, traced(masks), kLine), truth), error_of(exact, truth),
+            ray_errors(exact, masks[0], truth)};
+  }
+};
+
+/// The room without its animation.
+Scene still_room() {
+  Scene scene = bundled("room.glb");
+  for (Node& node : scene.nodes) node.moving = false;
+  scene.channels.clear();
+  return scene;
+}
+
+/// What is left is in cells whose four mask pixels agree: shadows and gaps thinner than a pixel.
+TEST_F(EdgeRaysIn, ARoomAtRestAreRightAndLeaveAThirdOfTheError) {
+  TestRig rig = TestRig::with_edge_rays(device_, still_room(), kSide_px);
+  const Errors turned = errors(rig, {0, 0, 0}, 0.02), stepped = errors(rig, {0.02, 0.01, 0}, 0.003);
+  std::printf("mask error in the room, %%: line %.4f and %.4f, rays %.4f and %.4f\n", 100 * turned.line,
+              100 * stepped.line, 100 * turned.exact, 100 * stepped.exact);
+  for (const Errors& errors : {turned, stepped}) {
+    EXPECT_LT(errors.exact, errors.line / 3);
+    EXPECT_GT(errors.of_rays.rays, 30000u);
+    EXPECT_LT(errors.of_rays.wrong, 0.0025 * static_cast<double>(errors.of_rays.rays));
+  }
+}
+
+TEST_F(EdgeRaysIn, ARoomThatMovesAreBetterThanALine) {
+  TestRig rig = TestRig::with_edge_rays(device_, bundled("room.glb"), kSide_px);
+  const auto head_at = [&](double times) { return moved(rig.head(), 0.003 * times, {0.02 * times, 0, 0}); };
+  std::vector<Mask> masks;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    rig.set_time(Time(650ms + 28ms * i));
+    masks.insert(masks.begin(), rig.ask({i + 1}, rig.eyes(head_at(4.0 - i))));
+  }
+  rig.set_time(Time(650ms + 28ms * 4));
+  const StereoView now = rig.eyes(head_at(0));
+  const Mask truth = rig.trace({20}, now);
+  const double line = error_of(rig.show(now, traced(masks), kLine), truth),
+               exact = error_of(rig.show(now, traced(masks), kExact), truth);
+  std::printf("mask error in the moving room, %%: line %.4f, rays %.4f\n", 100 * line, 100 * exact);
+  EXPECT_LT(exact, 0.8 * line);
+}
+
+/// Bits that the server has traced for this very point stay.
+TEST_F(EdgeRaysIn, AViewThatRestsChangeNothing) {
+  TestRig rig = TestRig::with_edge_rays(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask mask = rig.ask(kTraced, views);
+  const Shown exact = rig.show(views, {mask.traced_mask()}, kExact),
+              nearest = rig.show(views, {mask.traced_mask()}, {.edges = Edges::Nearest});
+  EXPECT_TRUE(same_visibility(exact, nearest));
+}
+
+/// A light that the viewer has moved has no buffer, so pixels at its edges are shaded as without rays.
+TEST_F(EdgeRaysIn, AScenesWhoseLightsWereMovedDecideNothing) {
+  Scene scene = bundled("box_over_plane.gltf");
+  const std::size_t lights = scene.lights.size();
+  TestRig rig = TestRig::with_edge_rays(device_, std::move(scene), kSide_px);
+  const auto head_at = [&](double times) { return moved(rig.head(), 0.004 * times, {0.013 * times, 0, 0}); };
+  const StereoView now = rig.eyes(head_at(0));
+  const std::vector<Mask> before = masks_of(rig, head_at);
+  EXPECT_FALSE(same_visibility(rig.show(now, traced(before), kExact), rig.show(now, traced(before), kLine)));
+  LightChanges changes;
+  for (std::uint32_t i = 0; i < lights; ++i)
+    change(changes, i, true, LightPose{Point<Stage>{{0.3, 2.6, 0.2}}, Vector<Stage>{{0.6, -0.8, 0}}});
+  rig.set_lights(changes);
+  const std::vector<Mask> after = masks_of(rig, head_at);
+  EXPECT_TRUE(same_visibility(rig.show(now, traced(after), kExact), rig.show(now, traced(after), kLine)));
+}
+
+}  // namespace
+}  // namespace farshade
