@@ -33,6 +33,11 @@ ShadowMapData projection_of(uint light) {
   return map;
 }
 
+// A plane counts from this distance on. The drawn surface may lie kDetail_px off the true one, mostly much less; the
+// rounding of depth grows with the distance from the eye, that of corners with the distance from their origin
+// (docs/edge-rays.md has the measurements).
+const float kSlackOfDetail = 0.5, kSlackOfDistance = 4e-6, kSlackOfScene = 2.5e-7;
+
 // A ray between a point and a light.
 struct Ray {
   vec3 point;   // relative to the triangles' origin
@@ -53,7 +58,7 @@ uint texel_of(ShadowMapData map, vec3 from_light, out vec2 inside) {
     at = p.xy / abs(p.z);
   } else {
     vec3 p = from_light * mat3(map.right.xyz, map.up.xyz, map.ahead.xyz);
-    at = map.place.x == FARSHADE_MAP_PARALLEL ? p.xy : p.xy / p.z;
+    at = map.place.x == FARSHADE_MAP_PARALLEL ? p.xy : p.xy / max(p.z, 1e-30);  // nothing behind the light is lit
   }
   const float side = float(FARSHADE_LIGHT_BUFFER_SIDE);
   at = clamp(at * vec2(map.right.w, -map.up.w) + 0.5 * side, vec2(0.0), vec2(side - 1e-3));
@@ -96,16 +101,35 @@ struct Met {
   bool dark, undecided;
 };
 
-Met trace(uint light, vec3 p, vec3 n, float slack) {
+// Whether the light does not shine at the point, whatever lies between: it is behind the surface, out of reach, or the
+// point is outside of its cone. `n` is the shading normal, `plane` the geometric one, both of any length. That one has
+// eight bits a component, so only the rays decide near the horizon.
+const float kHorizon = 1.0 / 64.0;
+
+bool is_out_of_reach(uint light, vec3 along, vec3 n, vec3 plane) {
+  float distance2 = dot(along, along);
+  bool behind = dot(n, along) >= 0.0, below = dot(plane, along) > kHorizon * sqrt(dot(plane, plane) * distance2);
+  bool outside = false;
+  if (kRangesAndCones) {
+    LightData data = lights[light];
+    float falloff = dot(data.spot_direction.xyz, along) * inversesqrt(distance2) * data.spot_cone.x + data.spot_cone.y;
+    bool far = data.position[shown_eye].w != 0.0 && distance2 * data.intensity.w >= 1.0;
+    outside = far || falloff <= 0.0;
+  }
+  return behind || below || outside;
+}
+
+Met trace(uint light, vec3 p, vec3 n, vec3 plane, float slack) {
   ShadowMapData map = projection_of(light);
   vec3 from_light = p - map.origin[shown_eye].xyz;
   Ray ray;
   ray.point = p - ray_light(kLights, 3 + shown_eye).xyz;
   ray.parallel = map.place.x == FARSHADE_MAP_PARALLEL;
   ray.along = ray.parallel ? map.ahead.xyz : from_light;
-  ray.slack = slack;
+  vec3 reach = abs(ray.point);
+  ray.slack = slack + kSlackOfScene * max(reach.x, max(reach.y, reach.z));
   uint list = list_at(map, from_light);
-  Met met = Met(dot(n, ray.along) >= 0.0, false);
+  Met met = Met(is_out_of_reach(light, ray.along, n, plane), false);
   bool more = list != 0u && !met.dark;
   for (int i = int(map.place.y + list); more; ++i) {
     uint word = texelFetch(light_buffers, i).x;
@@ -136,10 +160,6 @@ bool passes_movable(vec3 p, uint light) {
 #endif
 }
 
-// A plane counts from this distance on. The drawn surface may lie kDetail_px off the true one, mostly much less; the
-// rounding of depth and corners grows with the distance (docs/edge-rays.md has the measurements).
-const float kSlackOfDetail = 0.5, kSlackOfDistance = 4e-6;
-
 float slack_at(Surface surface) {
   vec4 window = frame.eye[shown_eye].window.origin_step;
   float pixel = max(abs(window.z), abs(window.w));
@@ -169,6 +189,7 @@ void main() {
   Surface surface = surface_at(pixel, depth, stored.y);
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
   vec3 p = turn * surface.position, n = unfolded(unpackSnorm2x16(stored.x));
+  vec3 plane_normal = -(turn * surface.normal);  // towards the eye
   float slack = slack_at(surface);
   Sample taken = first_sample(surface);
   SourceData newest = source_of(kNewest);
@@ -183,7 +204,7 @@ void main() {
     while (mixed != 0u) {
       uint bit = findLSB(mixed), light = plane * 32 + bit;
       mixed &= mixed - 1;
-      Met met = trace(light, p, n, slack);
+      Met met = trace(light, p, n, plane_normal, slack);
       bool dark = met.dark, undecided = !dark && (met.undecided || passes_movable(p, light));
       hard = hard || undecided;
       flips[plane] |= uint(dark == ((lit >> bit & 1u) != 0u)) << bit;

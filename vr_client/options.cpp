@@ -366,8 +366,11 @@ void check_mask_code(const CLI::App& app, Options& options) {
 
 /// Throws a CLI::ParseError if an option does not go with --edges exact.
 void check_edges(const Options& options) {
-  if (options.reprojection.edges == Edges::Exact && options.passes == ShadingPasses::Single)
+  if (options.reprojection.edges != Edges::Exact) return;
+  if (options.passes == ShadingPasses::Single)
     throw CLI::ValidationError("--edges", "exact takes sorted passes: omit --passes single");
+  if (!options.record.empty())
+    throw CLI::ValidationError("--edges", "exact cannot be captured: omit --record, or choose line");
 }
 
 /// Throws a CLI::ParseError if one of these options is given.

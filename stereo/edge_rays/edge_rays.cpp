@@ -36,8 +36,9 @@ std::vector<glm::vec4> texels_of(const CasterTriangles& casters) {
   return texels;
 }
 
-/// The projection of the light buffer of each light.
-std::vector<LightShadowMaps> light_projections(const Scene& scene, std::span<const Light> lights) {
+/// The projection of the light buffer of each light, also of those that are off.
+std::vector<LightShadowMaps> light_projections(const Scene& scene, std::vector<Light> lights) {
+  for (Light& light : lights) light.on = true;
   std::vector<Point<Stage>> corners;
   for (int corner = 0; corner < 8; ++corner) corners.push_back({scene.bounds.corner(corner)});
   ShadowMapSettings settings;
@@ -61,22 +62,15 @@ EdgeRays::EdgeRays(gpu::FramesInFlight& frames, const Scene& scene, const DrawPl
   const gpu::Device& device = frames.device();
   const CasterTriangles casters = caster_triangles(scene, plan);
   origin_ = casters.origin;
-  const SceneState state = state_at(scene, {});
-  const std::vector<LightShadowMaps> projections = light_projections(scene, state.light_set.lights);
-  std::vector<std::uint32_t> words;
-  for (std::size_t i = 0; i < projections.size(); ++i) {
-    Buffered light{state.light_set.lights[i], projections[i]};
-    if (scene.nodes[scene.lights[i].node].moving) light.projection.view.kind = FARSHADE_MAP_NONE;
-    light.projection.first_layer = narrow<std::uint32_t>(words.size());
-    if (light.projection.view.kind != FARSHADE_MAP_NONE) {
-      const LightBuffer buffer = make_light_buffer(light.projection.view, casters);
-      words.insert(words.end(), buffer.begin(), buffer.end());
-    }
-    lights_.push_back(light);
-  }
-  words.push_back(0);  // a buffer has a size
+  std::vector<glm::vec4> corners = texels_of(casters);
+  const std::uint64_t bytes = corners.size() * sizeof(glm::vec4);
+  const bool fits = bytes <= kMostEdgeRayBytes && corners.size() <= device.max_texels;
+  if (!fits) corners.resize(1);
+  const std::uint64_t words_left = fits ? (kMostEdgeRayBytes - bytes) / sizeof(std::uint32_t) : 0;
+  const std::vector<std::uint32_t> words =
+      make_buffers(scene, casters, std::min(words_left, device.max_texels));
   words_ = on_device(device, words, "light buffers");
-  corners_ = on_device(device, texels_of(casters), "caster triangles");
+  corners_ = on_device(device, corners, "caster triangles");
   words_view_ = gpu::view_texels(device, words_, vk::Format::eR32Uint);
   corners_view_ = gpu::view_texels(device, corners_, vk::Format::eR32G32B32A32Sfloat);
   bindings_ = gpu::make_bindings(device, kRaySet, "edge rays");
@@ -84,6 +78,32 @@ EdgeRays::EdgeRays(gpu::FramesInFlight& frames, const Scene& scene, const DrawPl
   gpu::bind_texels(device, bindings_, 0, *places_view_);
   gpu::bind_texels(device, bindings_, 1, *words_view_);
   gpu::bind_texels(device, bindings_, 2, *corners_view_);
+}
+
+/// Fills lights_, and returns the words of all buffers: one at least, because a buffer of the device has a
+/// size.
+std::vector<std::uint32_t> EdgeRays::make_buffers(const Scene& scene, const CasterTriangles& casters,
+                                                  std::size_t most_words) {
+  const SceneState state = state_at(scene, {});
+  const std::vector<LightShadowMaps> projections = light_projections(scene, state.light_set.lights);
+  std::vector<std::uint32_t> words{0};
+  bool full = false;
+  for (std::size_t i = 0; i < projections.size(); ++i) {
+    Buffered light{state.light_set.lights[i], projections[i]};
+    MapView& view = light.projection.view;
+    light.projection.first_layer = narrow<std::uint32_t>(words.size());
+    if (scene.nodes[scene.lights[i].node].moving || full) view.kind = FARSHADE_MAP_NONE;
+    LightBuffer buffer;
+    if (view.kind != FARSHADE_MAP_NONE) buffer = make_light_buffer(view, casters);
+    if (words.size() + buffer.size() > most_words) {
+      full = true;
+      view.kind = FARSHADE_MAP_NONE;
+      buffer.clear();
+    }
+    words.insert(words.end(), buffer.begin(), buffer.end());
+    lights_.push_back(std::move(light));
+  }
+  return words;
 }
 
 std::bitset<kMaxLights> EdgeRays::prepare(const StereoView& shown, const LightSet& lights) {

@@ -11,6 +11,10 @@
 
 namespace farshade {
 
+/// Light buffers and triangles take at most this, and no more texels than a buffer of the device can have.
+/// From the first light on whose buffer would take more, lights have none.
+inline constexpr std::size_t kMostEdgeRayBytes = 64 << 20;
+
 class EdgeRays {
  public:
   /// Makes the light buffers with all cores, and waits for the device. Keeps the reference to `frames`.
@@ -35,6 +39,8 @@ class EdgeRays {
     Light light;
     LightShadowMaps projection;
   };
+  [[nodiscard]] std::vector<std::uint32_t> make_buffers(const Scene& scene, const CasterTriangles& casters,
+                                                        std::size_t most_words);
   Point<Stage> origin_;  ///< of the triangles
   std::vector<Buffered> lights_;
   gpu::UploadBuffer places_;  ///< a ShadowMapData for each light, and one for the triangles' origin

@@ -33,9 +33,9 @@ constexpr double kRounding = 8 * 0x1p-24;
 /// corners.
 constexpr double kInPlane = 1e-9;
 
-/// A convex polygon. Four clips make at most 7 corners of 3; if rounding makes it concave, at most 12.
+/// A convex polygon. Four clips make at most 7 corners of 3; if rounding makes it concave, at most 13.
 struct Polygon {
-  std::array<glm::dvec3, 12> corners;
+  std::array<glm::dvec3, 13> corners;
   std::size_t count = 0;
 
   void add(const glm::dvec3& corner) { corners[count++] = corner; }

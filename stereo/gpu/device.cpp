@@ -228,6 +228,7 @@ void read_limits(Device& device, std::uint64_t timeout_ns) {
   device.max_image_side_px = properties.limits.maxImageDimension2D;
   device.max_image_layers = properties.limits.maxImageArrayLayers;
   device.max_storage_bytes = properties.limits.maxStorageBufferRange;
+  device.max_texels = properties.limits.maxTexelBufferElements;
   device.max_groups = {properties.limits.maxComputeWorkGroupCount[0],
                        properties.limits.maxComputeWorkGroupCount[1]};
   device.max_allocation_bytes =

@@ -60,6 +60,7 @@ struct Device {
   std::uint32_t max_image_layers = 0;         ///< maxImageArrayLayers
   std::array<std::uint32_t, 2> max_groups{};  ///< of a dispatch along x and y (maxComputeWorkGroupCount)
   std::uint64_t max_storage_bytes = 0;        ///< of a storage buffer (maxStorageBufferRange)
+  std::uint64_t max_texels = 0;               ///< of a buffer of texels (maxTexelBufferElements)
   /// Limits of the images of a format. Tests replace it.
   std::function<decltype(gpu::image_limits)> image_limits = gpu::image_limits;
   bool timelines = false;                                       ///< it has timeline semaphores

@@ -24,10 +24,10 @@ enum class Gaps : std::uint8_t { Unknown, Neighbours };
 /// The visibility near a shadow edge.
 enum class Edges : std::uint8_t {
   Nearest,   ///< the bit of one pixel
-  Exact,     ///< a ray of the client decides; where it cannot, as Line
   Line,      ///< 0 or 1, by the side of the edge on which the pixel's centre lies; a fraction if that is not
              ///< sure
   Coverage,  ///< the part of the pixel that lies on the lit side
+  Exact,     ///< a ray of the client decides; where it cannot, as Line. Captures do not hold it
 };
 
 /// How masks are reprojected. The defaults were chosen by measurement (docs/reprojection.md).

@@ -269,13 +269,24 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   write_frame(views, lights, frame);
 }
 
+namespace {
+
+/// The light has moved since the newest mask was traced.
+bool is_stale(const gpu::FrameData& frame, std::size_t light) {
+  const glm::uvec4& words = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + light / 128];
+  return (words[static_cast<int>(light / 32 % 4)] >> light % 32 & 1u) != 0;
+}
+
+}  // namespace
+
 void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
   gpu::FrameData lit = frame;
   lit.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
   if (edge_rays_ != nullptr && maps_ == nullptr) {
     const std::bitset<kMaxLights> usable = edge_rays_->prepare(views, lights);
     for (std::size_t i = 0; i < usable.size(); ++i)
-      if (usable[i]) lit.ray_lights[i / 128][static_cast<int>(i / 32 % 4)] |= 1u << i % 32;
+      if (usable[i] && !is_stale(frame, i))
+        lit.ray_lights[i / 128][static_cast<int>(i / 32 % 4)] |= 1u << i % 32;
   }
   frame_buffer_.write(0, lit);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
@@ -345,7 +356,7 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
                  pass == FARSHADE_PASS_HARD || pass == FARSHADE_PASS_MOVING || pass == FARSHADE_PASS_SINGLE,
              direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
-          .reports = report == PixelReport::On,
+          .reports = report == PixelReport::On && pass != FARSHADE_PASS_RAYS,
           .visibility = writes_visibilities() && pass != FARSHADE_PASS_RAYS,
           .edge_rays = pass == FARSHADE_PASS_EASY && traces_rays(),
           .other_eye = second_look && other_eye_,

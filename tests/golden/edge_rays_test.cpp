@@ -2,6 +2,7 @@
 /// shown.
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "tests/golden/test_rig.h"
 
@@ -164,6 +165,59 @@ TEST_F(EdgeRaysIn, AScenesWhoseLightsWereMovedDecideNothing) {
   rig.set_lights(changes);
   const std::vector<Mask> after = masks_of(rig, head_at);
   EXPECT_TRUE(same_visibility(rig.show(now, traced(after), kExact), rig.show(now, traced(after), kLine)));
+}
+
+/// On a device whose buffers of texels are too small for them, lights have no buffers.
+TEST_F(EdgeRaysIn, ASmallDeviceFallBackToTheLine) {
+  const auto shown_with = [&](std::uint64_t max_texels, const Reprojection& reprojection) {
+    device_.max_texels = max_texels;
+    TestRig rig = TestRig::with_edge_rays(device_, bundled("box_over_plane.gltf"), kSide_px);
+    const auto head_at = [&](double times) {
+      return moved(rig.head(), 0.004 * times, {0.013 * times, 0, 0});
+    };
+    return rig.show(rig.eyes(head_at(0)), traced(masks_of(rig, head_at)), reprojection);
+  };
+  const Shown line = shown_with(1'000'000, kLine);
+  EXPECT_TRUE(same_visibility(shown_with(10, kExact), line)) << "the triangles do not fit";
+  EXPECT_TRUE(same_visibility(shown_with(3'000, kExact), line)) << "the triangles fit, and no light does";
+  EXPECT_FALSE(same_visibility(shown_with(1'000'000, kExact), line));
+}
+
+/// Point lights in a ring above the box.
+Scene box_under_lights(std::uint32_t count) {
+  Scene scene = bundled("box_over_plane.gltf");
+  scene.lights.clear();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double turn = 2 * std::numbers::pi * i / count;
+    Node node;
+    node.rest.translation = {2 * std::cos(turn), 2.5, 2 * std::sin(turn)};
+    LightSource light;
+    light.node = static_cast<std::uint32_t>(scene.nodes.size());
+    scene.lights.push_back(light);
+    scene.nodes.push_back(node);
+  }
+  return scene;
+}
+
+/// Lights of two planes of a mask.
+TEST_F(EdgeRaysIn, ASceneOfFortyLightsAreRight) {
+  TestRig rig = TestRig::with_edge_rays(device_, box_under_lights(40), kSide_px);
+  const Errors errors = this->errors(rig, {0.02, 0.01, 0}, 0.003);
+  EXPECT_LT(errors.exact, errors.line / 3);
+  EXPECT_GT(errors.of_rays.rays, 30000u);
+  EXPECT_LT(errors.of_rays.wrong, 0.0025 * static_cast<double>(errors.of_rays.rays));
+}
+
+TEST_F(EdgeRaysIn, AWarmedUpRendererMakeNoPipelineInAFrame) {
+  TestRig rig = TestRig::with_edge_rays(device_, bundled("box_over_plane.gltf"), kSide_px);
+  const auto head_at = [&](double times) { return moved(rig.head(), 0.003 * times, {0.02 * times, 0, 0}); };
+  const std::vector<Mask> masks = masks_of(rig, head_at);
+  for (const std::function<void()>& step :
+       rig.renderer().compile_steps(kExact, PixelReport::On, Changes::Never))
+    step();
+  const std::size_t pipelines = rig.renderer().counters().pipelines;
+  static_cast<void>(rig.show(rig.eyes(head_at(0)), traced(masks), kExact));
+  EXPECT_EQ(rig.renderer().counters().pipelines, pipelines);
 }
 
 }  // namespace

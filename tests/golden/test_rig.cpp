@@ -66,6 +66,7 @@ OnLavapipe::OnLavapipe()
       max_image_layers_(device_.max_image_layers),
       max_groups_(device_.max_groups),
       max_storage_bytes_(device_.max_storage_bytes),
+      max_texels_(device_.max_texels),
       image_limits_(device_.image_limits) {
   device_.ledger = std::make_shared<gpu::Ledger>();
 }
@@ -77,6 +78,7 @@ OnLavapipe::~OnLavapipe() {
   device_.max_image_layers = max_image_layers_;
   device_.max_groups = max_groups_;
   device_.max_storage_bytes = max_storage_bytes_;
+  device_.max_texels = max_texels_;
   device_.image_limits = image_limits_;
   device_.pipelines = nullptr;
   const std::vector<std::string> messages = device_.validation_log->messages();

@@ -30,7 +30,7 @@ class OnLavapipe : public testing::Test {
   std::uint64_t max_allocations_, max_allocation_bytes_;
   std::uint32_t max_image_side_px_, max_image_layers_;
   std::array<std::uint32_t, 2> max_groups_;
-  std::uint64_t max_storage_bytes_;
+  std::uint64_t max_storage_bytes_, max_texels_;
   std::function<decltype(gpu::image_limits)> image_limits_;
 };
 

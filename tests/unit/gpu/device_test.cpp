@@ -70,6 +70,7 @@ TEST(AdoptedDevice, BelongsToItsOwner) {
     ASSERT_TRUE(adopted) << adopted.error().what;
     EXPECT_EQ(adopted->name, owner->name);
     EXPECT_EQ(adopted->max_storage_bytes, owner->max_storage_bytes);
+    EXPECT_EQ(adopted->max_texels, owner->max_texels);
     write(*adopted);
   }
   write(*owner);
