@@ -1,4 +1,4 @@
-// Lists of pixels and rays that later dispatches of a frame work on, each as long as it has become. Every eye has
+// Lists of pixels that later dispatches of a frame work on, each as long as it has become. Every eye has
 // FARSHADE_LISTS of them. Pixels of an eye that do not fit into its list of edges are listed as hard.
 
 #ifdef MOTION
