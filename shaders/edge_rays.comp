@@ -166,19 +166,6 @@ float slack_at(Surface surface) {
   return -surface.position.z * (kSlackOfDetail * kDetail_px * pixel + kSlackOfDistance);
 }
 
-// The lights of a plane in which the four mask pixels around the point differ.
-uint mixed_lights(SourceData newest, Sample taken, uint plane) {
-  ivec2 corner = corner_at(taken.at);
-  uint some = 0u, all = ~0u;
-  [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
-    uint bits = mask_bits(newest, inside(newest, tap_at(corner, tap)), plane);
-    some |= bits;
-    all &= bits;
-  }
-  uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
-  return some & ~all & used;
-}
-
 void main() {
   uint i = listed_entry(), packed_pixel = 0u;
   bool listed = i < min(lists[list_of(FARSHADE_LIST_EDGES)].w, edge_capacity());
@@ -192,29 +179,31 @@ void main() {
   vec3 plane_normal = -(turn * surface.normal);  // towards the eye
   float slack = slack_at(surface);
   Sample taken = first_sample(surface);
+  bool known = taken.source != FARSHADE_SOURCE_UNKNOWN;
   SourceData newest = source_of(kNewest);
-  uint flips[kPlanes], any = 0u;
-  bool hard = false;
+  uint visible[kPlanes];
+  bool wrong = !known, hard = false;
   [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {
-    uint mixed = listed ? mixed_lights(newest, taken, plane) : 0u, has_buffer = frame.ray_lights[plane / 4][plane % 4];
-    uint lit = mask_bits(newest, inside(newest, taken.pixel), plane);
-    hard = hard || (mixed & ~has_buffer) != 0u;
-    mixed &= has_buffer;
-    flips[plane] = 0u;
-    while (mixed != 0u) {
-      uint bit = findLSB(mixed), light = plane * 32 + bit;
-      mixed &= mixed - 1;
+    uint all = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
+    uint cell = cell_bits(newest, taken.at, plane), has_buffer = frame.ray_lights[plane / 4][plane % 4];
+    uint rays = !listed ? 0u : known ? cell : all;
+    hard = hard || (rays & ~has_buffer) != 0u;
+    rays &= has_buffer;
+    uint of_mask = known ? mask_bits(newest, inside(newest, taken.pixel), plane) & all : 0u;
+    visible[plane] = of_mask;
+    while (rays != 0u) {
+      uint bit = findLSB(rays), light = plane * 32 + bit;
+      rays &= rays - 1;
       Met met = trace(light, p, n, plane_normal, slack);
-      bool dark = met.dark, undecided = !dark && (met.undecided || passes_movable(p, light));
-      hard = hard || undecided;
-      flips[plane] |= uint(dark == ((lit >> bit & 1u) != 0u)) << bit;
+      hard = hard || (!met.dark && (met.undecided || passes_movable(p, light)));
+      visible[plane] = bitfieldInsert(visible[plane], uint(!met.dark), int(bit), 1);
     }
-    any |= flips[plane];
+    wrong = wrong || visible[plane] != of_mask;
   }
   if (hard) list_as_hard(pixel, surface.slot != 0u);
-  if (any != 0u && !hard) {
+  if (listed && wrong && !hard) {
     uint word = flipped_word(append(FARSHADE_LIST_FLIPPED), 0);
     list_words[word] = packed_pixel;
-    [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) list_words[word + 1 + plane] = flips[plane];
+    [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) list_words[word + 1 + plane] = visible[plane];
   }
 }

@@ -1,5 +1,9 @@
 // Reads the masks on the device (stereo/reproject/device_masks.h).
 
+// The four pixels around a position, from left to right and from top to bottom.
+ivec2 corner_at(vec2 at) { return ivec2(floor(at - 0.5)); }
+ivec2 tap_at(ivec2 corner, uint tap) { return corner + ivec2(tap & 1, tap >> 1); }
+
 // Whether the block of `pixel`, which is in the picture, is known. A tile has 16 bits, one for each block.
 bool block_known(SourceData source, ivec2 pixel) {
   if (kWhole) return true;
@@ -22,6 +26,11 @@ uint mask_bits(SourceData source, ivec2 pixel, uint plane) {
   uint element = (plane * size.y + uint(pixel.y)) * size.x + uint(pixel.x), per_word = 4 / kWordBytes;
   uint word = mask_words[source.place.y + element / per_word];
   return bitfieldExtract(word, int(element % per_word * kWordBytes * 8), int(kWordBytes * 8));
+}
+
+// The lights of a plane that have an edge in the cell that contains the position `at` (mask_edges.h).
+uint cell_bits(SourceData source, vec2 at, uint plane) {
+  return mask_bits(source, inside(source, corner_at(at)), FARSHADE_PLANES(kEdgeBit + 4) + plane);
 }
 
 // Whether the mask says that the four pixels around the position `at` differ in some light.

@@ -33,9 +33,9 @@ void report_visibility(uint record, uint group, Visibility8 k) {
   if (group * 2 + 1 < kQuads) report[record + FARSHADE_REPORT_VISIBILITY + group * 2 + 1] = packUnorm4x8(k.high);
 }
 
-void report_source(uint record, bool known, uint source, Sample taken, uint shining) {
+void report_source(uint record, bool known, bool by_rays, uint source, Sample taken, uint shining) {
   if (record == kNoRecord) return;
-  uint shown_with = FARSHADE_SOURCE_UNKNOWN;
+  uint shown_with = by_rays ? FARSHADE_SOURCE_RAYS : FARSHADE_SOURCE_UNKNOWN;
   if (known) shown_with = source + (taken.beside ? FARSHADE_NEIGHBOUR : 0u);
   report[record + FARSHADE_REPORT_SOURCE] = shown_with | shining << 16;
   report[record + FARSHADE_REPORT_X] = floatBitsToUint(taken.at.x);
@@ -48,5 +48,5 @@ uint report_record(ivec2 pixel, bool wanted) { return kNoRecord; }
 void report_uncovered(uint record) {}
 void report_plane(uint record, uint plane, uint unknown, uint stale) {}
 void report_visibility(uint record, uint group, Visibility8 k) {}
-void report_source(uint record, bool known, uint source, Sample taken, uint shining) {}
+void report_source(uint record, bool known, bool by_rays, uint source, Sample taken, uint shining) {}
 #endif

@@ -173,12 +173,13 @@ struct PlaneBits {
 
 PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
   PlaneBits bits = PlaneBits(0u, 0u, 0u);
+#ifdef FLIPPED
+  bits.visible = list_words[flipped_word(flipped_entry, 1 + plane)];
+  return bits;
+#endif
   const bool first = mask_of(found.source) == 0;
   const uint since = is_face(found.source) ? FARSHADE_SINCE_CUBE_MASK : FARSHADE_SINCE_OLDER;
   if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
-#ifdef FLIPPED
-  bits.visible ^= list_words[flipped_word(flipped_entry, 1 + plane)];
-#endif
   bits.visible = found.known ? bits.visible : 0u;
   if (kSecondLook && kMoved && is_hard(found)) bits.stale = stale_bits(since, slot, p_stage, plane);
   // A stale bit of the point itself is the best that there is, unless the viewer has changed the light.
@@ -264,7 +265,7 @@ vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
   at.surface = surface_at(pixel, depth, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
-    bool moved = kMoved && has_moved(0, at.surface.slot), edge = kEdgeRays && at.found.on_edge && !moved;
+    bool moved = kMoved && has_moved(0, at.surface.slot), edge = kEdgeRays && (at.found.on_edge || (!at.found.known && frame.counts.y != 0u)) && !moved;
     if (wanted && (at.found.hard || moved)) list(pixel, edge, at.surface.slot != 0u);
   }
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
@@ -287,7 +288,7 @@ vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
       irradiance += irradiance_from(group, at, bits, shining);
     }
 #endif
-  report_source(at.record, at.found.known, at.found.source, at.found.taken, shining);
+  report_source(at.record, at.found.known, kPass == FARSHADE_PASS_FLIPPED, at.found.source, at.found.taken, shining);
 
   const float kInversePi = 0.31830988618;
   return base_color(pixel) * (irradiance * kInversePi + frame.ambient.rgb);

@@ -61,7 +61,7 @@
 #define FARSHADE_LIST_EDGES 2
 #define FARSHADE_LIST_FLIPPED 3
 #define FARSHADE_LISTS 4
-#define FARSHADE_PIXELS_PER_EDGE 4  // at least: more edges are hard. Of the bundled room at 512x512, a sixth are edges
+#define FARSHADE_PIXELS_PER_EDGE 2  // at least: more edges are hard; 4 are too few for the bundled room at 256x256
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.
@@ -79,8 +79,10 @@
 #define FARSHADE_REPORT_WORDS(lights) (FARSHADE_REPORT_STALE(lights) + FARSHADE_PLANES(lights))
 
 // What a pixel was shaded with: the source that gave its bits, plus FARSHADE_NEIGHBOUR if the source's view
-// saw only the surface beside the point. FARSHADE_SOURCE_UNCOVERED: the pixel shows no surface.
+// saw only the surface beside the point. FARSHADE_SOURCE_RAYS: the newest mask does not know the point, and edge rays have
+// decided all lights. FARSHADE_SOURCE_UNCOVERED: the pixel shows no surface.
 #define FARSHADE_NEIGHBOUR 64u
+#define FARSHADE_SOURCE_RAYS 253u
 #define FARSHADE_SOURCE_UNKNOWN 254u
 #define FARSHADE_SOURCE_UNCOVERED 255u
 

@@ -101,8 +101,8 @@ struct FrameData {
   uvec4 ray_lights[2];  // lights that edge rays can be traced to
   vec4 background;                                             // linear
   vec4 ambient;  // linear factor of the base colour; 0 if the scene has lights of its own
-  uvec4 counts;  // x = masks in use, z = 1 if the newest mask's view is close enough to the shown view to guess
-                 // from; w = faces of the cube mask in use; y unused
+  uvec4 counts;  // x = masks in use, y = 1 if edge rays can be traced to all lights, z = 1 if the newest mask's view
+                 // is close enough to the shown view to guess from; w = faces of the cube mask in use
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw
 };
 

@@ -106,12 +106,13 @@ std::vector<std::uint32_t> EdgeRays::make_buffers(const Scene& scene, const Cast
   return words;
 }
 
-std::bitset<kMaxLights> EdgeRays::prepare(const StereoView& shown, const LightSet& lights) {
-  std::bitset<kMaxLights> usable;
+LightBits EdgeRays::prepare(const StereoView& shown, const LightSet& lights) {
+  LightBits usable{};
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     places_.write(i, shadow_map_data(shown, lights_[i].projection));
-    usable[i] = lights_[i].projection.view.kind != FARSHADE_MAP_NONE &&
-                same_place(lights_[i].light, lights.lights[i]);
+    if (lights_[i].projection.view.kind != FARSHADE_MAP_NONE &&
+        same_place(lights_[i].light, lights.lights[i]))
+      usable[i / 32] |= 1u << i % 32;
   }
   LightShadowMaps origin;
   origin.view.origin = origin_;

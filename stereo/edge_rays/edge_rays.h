@@ -2,8 +2,6 @@
 /// triangles that cast and never move, and a LightBuffer for each light that rests.
 #pragma once
 
-#include <bitset>
-
 #include "stereo/edge_rays/light_buffer.h"
 #include "stereo/gpu/pass.h"
 #include "stereo/gpu/upload_buffer.h"
@@ -23,7 +21,7 @@ class EdgeRays {
 
   /// Places the lights relative to the shown eyes. Returns those that rays can be traced to: they have a
   /// light buffer, and are where it was made for. `lights` are those of the scene.
-  [[nodiscard]] std::bitset<kMaxLights> prepare(const StereoView& shown, const LightSet& lights);
+  [[nodiscard]] LightBits prepare(const StereoView& shown, const LightSet& lights);
   void record_uploads(const vk::raii::CommandBuffer& commands) const {
     gpu::record_uploads(commands, {&places_});
   }

@@ -6,6 +6,7 @@
 /// plane is row-major, top row first, without padding. Pixels without a surface are 0.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,6 +17,9 @@
 namespace farshade {
 
 inline constexpr std::uint32_t kMaxLights = 256;
+
+/// Lights: light i is bit i % 32 of word i / 32.
+using LightBits = std::array<std::uint32_t, kMaxLights / 32>;
 
 /// The memory layout of masks of `lights` lights. Tracer, wire and shaders share it.
 struct MaskLayout {

@@ -42,7 +42,7 @@ std::vector<DeviceMasks::Held> DeviceMasks::hold(Kind kind, std::span<const Trac
   std::vector<Held> held;
   for (const MaskSlots::Assignment& assigned : shelf.slots.assign(versions)) {
     if (assigned.must_upload) {
-      shelf.is_whole[assigned.slot] = upload(shelf, assigned.slot, *masks[held.size()]);
+      shelf.is_whole[assigned.slot] = upload(kind, assigned.slot, *masks[held.size()]);
       ++uploads_;
     }
     held.push_back({kind, assigned.slot, shelf.is_whole[assigned.slot]});
@@ -61,16 +61,20 @@ void DeviceMasks::forget() {
 }
 
 /// Copies a mask to a slot. Returns whether every block is known.
-bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) {
+bool DeviceMasks::upload(Kind kind, std::size_t slot, const TracedMask& mask) {
+  const Shelf& shelf = this->shelf(kind);
+  const bool cells = kind == Kind::Views && has_cells(plan_);
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t at = slot * kEyes + eye;
     const EyeMask& bits = mask.masks[eye];
     check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
-    const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
+    const std::size_t bytes = device_mask_bytes(plan_, bits.size(), cells);
     check(bytes <= shelf.bytes.words, "a mask fits its slot");
     const auto there = words_.view<std::byte>(shelf.words + at * shelf.bytes.words, bytes);
-    if (reprojects_masks(plan_)) {
+    if (cells) {
+      copy_with_cells(bits, ray_lights_, there);
+    } else if (reprojects_masks(plan_)) {
       copy_with_edges(bits, there);
     } else {
       there.copy(bits.bytes());

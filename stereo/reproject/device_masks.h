@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "stereo/gpu/upload_buffer.h"
+#include "stereo/reproject/mask_edges.h"
 #include "stereo/reproject/mask_slots.h"
 #include "stereo/reproject/reprojection.h"
 #include "stereo/reproject/shading_layout.h"
@@ -34,6 +35,10 @@ class DeviceMasks {
   /// SourceData::place of an eye's mask. `layer` has the depth of the left eye's view.
   [[nodiscard]] glm::uvec4 place(const Held& held, std::size_t eye, std::size_t layer) const;
 
+  /// The lights that edge rays can be traced to: in these, cells of masks that are copied from now on have
+  /// edges near thin shadows.
+  void set_ray_lights(const LightBits& lights) { ray_lights_ = lights; }
+
   /// Forgets all masks, because frame ids begin anew.
   void forget();
 
@@ -49,12 +54,13 @@ class DeviceMasks {
     MaskSlots slots;
     std::vector<bool> is_whole;  ///< by slot
   };
-  [[nodiscard]] bool upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask);
+  [[nodiscard]] bool upload(Kind kind, std::size_t slot, const TracedMask& mask);
   [[nodiscard]] const Shelf& shelf(Kind kind) const { return shelves_[static_cast<std::size_t>(kind)]; }
 
   const DrawPlan& plan_;
   gpu::UploadBuffer words_, known_;
   std::array<Shelf, 2> shelves_;
+  LightBits ray_lights_{};
   std::uint64_t uploads_ = 0;
 };
 

@@ -1,6 +1,10 @@
-/// Mask edges: a mask on the device has four bits per pixel beside those of the lights, one for each quarter
-/// of the pixel. Such a bit is 1 if the 2x2 pixels around the quarter's corner differ in any light. Only
-/// there does shade.comp filter the visibility between pixels.
+/// Mask edges: where a shadow edge may be between the pixels of a mask. The cell of a pixel lies between it
+/// and its right, lower and lower right neighbours. A light has an edge in a cell if the four pixels differ;
+/// with edge rays also if a shadow or gap of one pixel's width ends near the cell, or passes it, since
+/// that may go on between pixels. Cells at the right and lower border do not have four pixels, and have no
+/// edge. A mask on the device has four bits per pixel beside those of the lights, one for each quarter of the
+/// pixel. Such a bit is 1 if the cell at the quarter's corner has an edge in any light. Only there does
+/// shade.comp look between pixels.
 #pragma once
 
 #include "stereo/base/write_only.h"
@@ -26,5 +30,16 @@ static_assert(with_edge_bits({3}).word_bytes() == 1 && with_edge_bits({kMaxLight
 /// Writes `mask` with its edge bits to `out`, which has mask_bytes(mask.size(),
 /// with_edge_bits(mask.layout())) bytes.
 void copy_with_edges(const EyeMask& mask, WriteOnly<std::byte> out);
+
+/// Bytes of a mask with its edge bits, and of a word for each plane of lights and pixel with the lights that
+/// have an edge in the pixel's cell.
+[[nodiscard]] constexpr std::size_t mask_and_cell_bytes(Extent size, MaskLayout mask) {
+  const MaskLayout device = with_edge_bits(mask);
+  return mask_bytes(size, device) + size.pixels() * mask.planes() * device.word_bytes();
+}
+
+/// Writes a mask for edge rays to `out`, which has mask_and_cell_bytes(mask.size(), mask.layout()) bytes.
+/// Thin shadows and gaps count in the lights `thin`.
+void copy_with_cells(const EyeMask& mask, const LightBits& thin, WriteOnly<std::byte> out);
 
 }  // namespace farshade

@@ -41,14 +41,19 @@ struct Reprojection {
 
 /// What a pixel was shaded with: the index of a mask in use (0 = first), plus kOtherEye if that mask was
 /// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or kFirstFace
-/// plus the index of a face of the cube mask; or one of the two last values.
+/// plus the index of a face of the cube mask; or one of the three last values. kSourceRays: no mask was
+/// asked, the client's own rays have decided all lights.
 inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kFirstFace = FARSHADE_FIRST_FACE,
-                              kNeighbour = FARSHADE_NEIGHBOUR, kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
+                              kNeighbour = FARSHADE_NEIGHBOUR, kSourceRays = FARSHADE_SOURCE_RAYS,
+                              kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
                               kSourceUncovered = FARSHADE_SOURCE_UNCOVERED;
 [[nodiscard]] constexpr bool is_face(std::uint8_t source) {
   return source >= kFirstFace && source < FARSHADE_MAX_SOURCES;
 }
-/// The index of the mask that a known source belongs to: those of the views, then those of the cube mask from
+[[nodiscard]] constexpr bool is_mask(std::uint8_t source) {
+  return source < kSourceRays;
+}
+/// The index of the mask that a source belongs to: those of the views, then those of the cube mask from
 /// kMaxMasks on.
 [[nodiscard]] constexpr std::size_t mask_of(std::uint8_t source) {
   return is_face(source) ? kMaxMasks + (source - kFirstFace) / kEyes : source % kOtherEye;

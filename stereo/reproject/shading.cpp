@@ -240,6 +240,22 @@ void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks,
   for (std::size_t slot = 0; slot < motion_count_; ++slot) write_motions(views, since, slot, matrices);
 }
 
+namespace {
+
+/// Rays can be traced to `lights`, unless they have moved since the newest mask was traced.
+void write_ray_lights(const LightBits& lights, MaskLayout mask, gpu::FrameData& frame) {
+  bool all = true;
+  for (std::uint32_t plane = 0; plane < mask.planes(); ++plane) {
+    const int vector = static_cast<int>(plane / 4), word = static_cast<int>(plane % 4);
+    const std::uint32_t stale = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + vector][word];
+    frame.ray_lights[vector][word] = lights[plane] & ~stale;
+    all = all && frame.ray_lights[vector][word] == mask.used_bits(plane);
+  }
+  frame.counts.y = all;
+}
+
+}  // namespace
+
 void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, const LightSet& lights,
                           const MasksInUse& in_use, const Reprojection& reprojection) {
   const std::span<const DatedMask> masks = in_use.views;
@@ -253,6 +269,9 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
   whole_ = true;
+  LightBits rays{};
+  if (edge_rays_ != nullptr) rays = edge_rays_->prepare(views, lights);
+  device_masks_.set_ray_lights(rays);
   write_sources(views, masks, frame);
   write_faces(views, in_use.cube_mask, frame);
   masks_ = masks.size();
@@ -266,28 +285,13 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
     frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
   maps_ = nullptr;
+  write_ray_lights(rays, plan_.mask, frame);
   write_frame(views, lights, frame);
 }
-
-namespace {
-
-/// The light has moved since the newest mask was traced.
-bool is_stale(const gpu::FrameData& frame, std::size_t light) {
-  const glm::uvec4& words = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + light / 128];
-  return (words[static_cast<int>(light / 32 % 4)] >> light % 32 & 1u) != 0;
-}
-
-}  // namespace
 
 void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
   gpu::FrameData lit = frame;
   lit.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
-  if (edge_rays_ != nullptr && maps_ == nullptr) {
-    const std::bitset<kMaxLights> usable = edge_rays_->prepare(views, lights);
-    for (std::size_t i = 0; i < usable.size(); ++i)
-      if (usable[i] && !is_stale(frame, i))
-        lit.ray_lights[i / 128][static_cast<int>(i / 32 % 4)] |= 1u << i % 32;
-  }
   frame_buffer_.write(0, lit);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_buffer_.write(i, light_data(views, lights.lights[i], lights.exposure));

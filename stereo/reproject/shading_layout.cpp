@@ -14,8 +14,8 @@ constexpr std::size_t whole_words(std::size_t bytes) {
   return (bytes + 3) / 4 * 4;
 }
 
-MaskBytes mask_bytes_on_device(const DrawPlan& plan, Extent size) {
-  return {whole_words(mask_bytes(size, device_mask(plan))),
+MaskBytes mask_bytes_on_device(const DrawPlan& plan, Extent size, bool with_cells) {
+  return {whole_words(device_mask_bytes(plan, size, with_cells)),
           whole_words(TileGrid{size}.count() * sizeof(BlockBits))};
 }
 
@@ -41,8 +41,8 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   ShadingBytes bytes{.lights = (plan.mask.lights + 1) * sizeof(gpu::LightData)};
   bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
-    bytes.mask = mask_bytes_on_device(plan, traced_size);
-    if (most_cube_mask_pairs(plan) > 0) bytes.face = mask_bytes_on_device(plan, face_size(size));
+    bytes.mask = mask_bytes_on_device(plan, traced_size, has_cells(plan));
+    if (most_cube_mask_pairs(plan) > 0) bytes.face = mask_bytes_on_device(plan, face_size(size), false);
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;

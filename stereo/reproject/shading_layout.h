@@ -23,6 +23,14 @@ namespace farshade {
   return reprojects_masks(plan) ? with_edge_bits(plan.mask) : plan.mask;
 }
 
+/// Whether masks of views have their cells on the device, for edge rays. Faces of the cube mask have none.
+[[nodiscard]] constexpr bool has_cells(const DrawPlan& plan) {
+  return reprojects_masks(plan) && plan.edge_rays;
+}
+[[nodiscard]] constexpr std::size_t device_mask_bytes(const DrawPlan& plan, Extent size, bool with_cells) {
+  return with_cells ? mask_and_cell_bytes(size, plan.mask) : mask_bytes(size, device_mask(plan));
+}
+
 /// The number of masks that the device holds.
 [[nodiscard]] constexpr std::size_t most_masks(const DrawPlan& plan) {
   return plan.mask.lights == 0 ? 0 : reprojects_masks(plan) ? FARSHADE_MAX_MASKS : 1;

@@ -55,6 +55,7 @@ void error_rows(const PerEye<EyeErrors>& errors) {
   row("older", both(&EyeErrors::older, 100, " %"));
   row("cube mask", both(&EyeErrors::cube_mask, 100, " %"));
   row("neighbours", both(&EyeErrors::neighbours, 100, " %"));
+  row("own rays", both(&EyeErrors::own_rays, 100, " %"));
   row("unknown", both(&EyeErrors::unknown, 100, " %"));
 }
 

@@ -6,6 +6,7 @@ namespace farshade {
 namespace {
 
 std::string source_of(std::uint8_t source) {
+  if (source == kSourceRays) return "the client's own rays: the newest mask does not have this point";
   if (source == kSourceUnknown) return "unknown: no mask has this point";
   if (is_face(source)) return "the cube mask";
   const bool beside = (source & kNeighbour) != 0;
@@ -44,8 +45,10 @@ std::vector<Fact> in_words(const PixelFacts& facts, const Scene& scene, const Li
   if (const auto& instance = facts.surface.instance)
     words.push_back({"instance", fmt::format("{}, detail level {}", instance->index, instance->level)});
   const std::uint8_t source = report.sources.at(0);
-  const bool is_known = source != kSourceUnknown, has_mask = is_known && (facts.masks > 0 || is_face(source));
-  words.push_back({"source", is_known && !has_mask ? "shadow maps" : source_of(source)});
+  const bool is_known = source != kSourceUnknown,
+             has_mask = is_mask(source) && (facts.masks > 0 || is_face(source));
+  words.push_back(
+      {"source", is_known && source != kSourceRays && !has_mask ? "shadow maps" : source_of(source)});
   if (has_mask) {
     words.push_back({"age", fmt::format("{:.0f} ms", ms_of(facts.ages.at(mask_of(source))))});
     const auto [x, y] = report.positions.at(0);

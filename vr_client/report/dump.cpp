@@ -72,8 +72,7 @@ Image<std::uint16_t> sources_of(const ShownReport& report) {
 Image<float> lookup_of(const ShownReport& report, std::size_t axis) {
   Image<float> image(report.mask.size());
   for (std::size_t i = 0; i < report.positions.size(); ++i) {
-    const bool found = report.sources[i] != kSourceUncovered && report.sources[i] != kSourceUnknown;
-    image.pixels[i] = found ? report.positions[i][axis] : 0.0f;
+    image.pixels[i] = is_mask(report.sources[i]) ? report.positions[i][axis] : 0.0f;
   }
   return image;
 }

@@ -283,7 +283,7 @@ std::vector<Figure> source_figures(Side side) {
       share(
           "from newest mask",
           "Share of covered pixels x lights whose visibility comes from the eye's newest mask. The "
-          "newest mask is the newest one that is as complete as it will be. With the next five figures "
+          "newest mask is the newest one that is as complete as it will be. With the next six figures "
           "the shares add up to 100 %.",
           [](const EyeErrors& e) { return 100 * e.newest; }, Worse::Low),
       share("from other eye's newest", "The share that comes from the other eye's newest mask.",
@@ -296,6 +296,11 @@ std::vector<Figure> source_figures(Side side) {
             [](const EyeErrors& e) { return 100 * e.cube_mask; }),
       share("neighbours", "The share that comes from the nearest pixel on the same surface.",
             [](const EyeErrors& e) { return 100 * e.neighbours; }),
+      share(
+          "own rays",
+          "The share of points that the newest mask does not know, for which the client traces its own rays "
+          "(docs/edge-rays.md).",
+          [](const EyeErrors& e) { return 100 * e.own_rays; }),
       share("unknown", "The share without any source.", [](const EyeErrors& e) { return 100 * e.unknown; }),
       share("stale",
             "The share that is known but outdated: the light or what shadows it has moved since the "

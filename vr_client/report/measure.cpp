@@ -25,6 +25,7 @@ void for_covered(const ShownReport& shown, Extent size, const Visit& visit) {
 }
 
 double& share_from(EyeErrors& errors, std::uint8_t source) {
+  if (source == kSourceRays) return errors.own_rays;
   if (source >= kNeighbour) return errors.neighbours;
   if (is_face(source)) return errors.cube_mask;
   if (mask_of(source) > 0) return errors.older;
@@ -34,7 +35,7 @@ double& share_from(EyeErrors& errors, std::uint8_t source) {
 /// Of a picture in which single lights cannot be distinguished.
 EyeErrors not_shaded(double psnr) {
   constexpr double kNone = kNotMeasured;
-  return {kNone, kNone, psnr, kNone, kNone, kNone, kNone, kNone, kNone, kNone, std::nullopt};
+  return {kNone, kNone, psnr, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, std::nullopt};
 }
 
 }  // namespace
@@ -68,7 +69,7 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   errors.mask_error = wrong / total;
   errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
   for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.cube_mask,
-                        &errors.neighbours, &errors.unknown, &errors.stale})
+                        &errors.neighbours, &errors.own_rays, &errors.unknown, &errors.stale})
     *share /= total;
   return errors;
 }

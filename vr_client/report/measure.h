@@ -13,10 +13,9 @@ namespace farshade {
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
-/// newest, other_eye, older, cube mask, neighbours and unknown add up to 1. If the mode shows a picture from
-/// the server, single lights cannot be distinguished, and all values but those of whole pictures are
-/// kNotMeasured. If an
-/// eye shows no surface, they are 0, and the log leaves them out.
+/// newest, other_eye, older, cube mask, neighbours, own_rays and unknown add up to 1. If the mode shows a
+/// picture from the server, single lights cannot be distinguished, and all values but those of whole pictures
+/// are kNotMeasured. If an eye shows no surface, they are 0, and the log leaves them out.
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
   double known_error = 0;  ///< the same over pixel-lights that are not unknown
@@ -26,6 +25,7 @@ struct EyeErrors {
   double older = 0;        ///< from older masks of either eye
   double cube_mask = 0;    ///< from the cube mask
   double neighbours = 0;   ///< from the nearest pixel on the same surface
+  double own_rays = 0;     ///< of points that the newest mask does not know, decided by the client's own rays
   double unknown = 0;      ///< share without a known visibility
   double stale = 0;        ///< share of all that is known but outdated, because something has moved since
   std::optional<double> unmoved_error;  ///< mask error of the newest mask if it is not reprojected

@@ -10,7 +10,7 @@ namespace farshade::overlay {
 
 inline constexpr Rgb8 kUnknownColor(255, 140, 0), kStaleColor(255, 40, 40), kThisEyeColor(60, 220, 90),
     kOtherEyeColor(60, 210, 230), kNeighbourColor(240, 230, 60), kCubeMaskColor(235, 120, 220),
-    kOutlineColor(0, 255, 170), kNotTracedColor(110, 20, 30);
+    kRaysColor(235, 235, 235), kOutlineColor(0, 255, 170), kNotTracedColor(110, 20, 30);
 
 /// Multiplies a colour by a factor, which is clamped to 0..1.
 [[nodiscard]] Rgb8 scaled(Rgb8 color, float factor);

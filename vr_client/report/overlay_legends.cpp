@@ -15,10 +15,10 @@ std::vector<LegendEntry> source_legend() {
   return {{kThisEyeColor, "newest mask of this eye, darker with age"},
           {reprojected_tint(kThisEyeColor), "the same, reprojected, not asked for"},
           {kOtherEyeColor, "newest mask of the other eye"},
-          {older_color(1), "one mask older"},
-          {older_color(3), "three masks older"},
+          {older_color(1), "an older mask, the redder the older"},
           {kCubeMaskColor, "the cube mask: coarse masks of all directions"},
           {kNeighbourColor, "the nearest pixel on the same surface"},
+          {kRaysColor, "the client's own rays"},
           {kUnknownColor, "unknown"},
           {kStaleColor, "red lines: outdated, something has moved"}};
 }

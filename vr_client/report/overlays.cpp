@@ -60,6 +60,7 @@ Image<Rgb8> age_picture(const OverlayInput& input) {
   return painted(input.report, input.shown.size, [&](std::size_t i) {
     const std::uint8_t source = input.report.sources[i];
     const std::size_t mask = mask_of(source);
+    if (source == kSourceRays) return age_color(Duration::zero());
     return source == kSourceUnknown || mask >= colors.size() ? kUnknownColor : colors[mask];
   });
 }
@@ -218,6 +219,7 @@ Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Exte
   const std::size_t planes = planes_of(report);
   const auto colors = lookup_table(kSourceUncovered, [&](std::size_t source) {
     const auto mask = mask_of(static_cast<std::uint8_t>(source));
+    if (source == kSourceRays) return kRaysColor;
     if (source == kSourceUnknown || mask >= ages.size()) return kUnknownColor;
     const Rgb8 fresh = source >= kNeighbour ? kNeighbourColor
                        : mask >= kMaxMasks  ? kCubeMaskColor

@@ -39,7 +39,7 @@ void light_up(ShownReport& report, std::uint32_t x, std::uint32_t plane, std::ui
 }
 
 double sum_of_shares(const EyeErrors& e) {
-  return e.newest + e.other_eye + e.older + e.cube_mask + e.neighbours + e.unknown;
+  return e.newest + e.other_eye + e.older + e.cube_mask + e.neighbours + e.own_rays + e.unknown;
 }
 
 TEST(OtherSurface, CountsPixelsThatOneAloneCoversOrThatAreElsewhere) {
