@@ -19,7 +19,8 @@ const bool kSecondLook = false;
 
 layout(set = 1, binding = 0) uniform samplerBuffer ray_lights;  // ShadowMapData; the last: the triangles' origin
 layout(set = 1, binding = 1) uniform usamplerBuffer light_buffers;
-layout(set = 1, binding = 2) uniform samplerBuffer triangle_corners;  // w of the first of three: 1 if it has holes
+layout(set = 1, binding = 2) uniform samplerBuffer triangles;  // stereo/edge_rays/caster_texels.h
+layout(set = 1, binding = 3) uniform samplerBuffer alphas;     // of textures
 
 vec4 ray_light(uint light, uint row) { return texelFetch(ray_lights, int(light * FARSHADE_RAY_LIGHT_ROWS + row)); }
 
@@ -96,6 +97,56 @@ bool is_between(vec3 a, vec3 b, vec3 c, Ray ray) {
   return inside && beyond && (ray.parallel || abs(distance) < abs(whole));
 }
 
+// Where a ray meets the plane of a triangle: the weights of its corners.
+vec3 weights_at(vec3 a, vec3 b, vec3 c, Ray ray) {
+  a -= ray.point;
+  b -= ray.point;
+  c -= ray.point;
+  vec3 volumes = vec3(dot(ray.along, cross(b, c)), dot(ray.along, cross(c, a)), dot(ray.along, cross(a, b)));
+  return volumes / (volumes.x + volumes.y + volumes.z);
+}
+
+// The two texels on both sides of a coordinate, and the weight of the second. x and y: along u and v.
+struct Taps {
+  vec2 first, second, weight;
+};
+
+// Beyond the edge of a texture that is mirrored, as beyond that of a clamped one, its last texel follows.
+Taps taps_of(vec2 uv, vec2 size, uvec2 wrap) {
+  bvec2 mirrored = equal(wrap, uvec2(FARSHADE_WRAP_MIRRORED)), clamped = equal(wrap, uvec2(FARSHADE_WRAP_CLAMPED));
+  bvec2 repeats = equal(wrap, uvec2(FARSHADE_WRAP_REPEATED));
+  vec2 folded = 1.0 - abs(1.0 - 2.0 * fract(0.5 * uv));
+  vec2 place = mix(mix(fract(uv), folded, mirrored), clamp(uv, 0.0, 1.0), clamped) * size - 0.5;
+  place = mix(clamp(place, vec2(0.0), size - 1.0), place, repeats);
+  vec2 below = floor(place), next = below + 1.0;
+  Taps taps;
+  taps.weight = place - below;
+  taps.first = mix(below, size - 1.0, lessThan(below, vec2(0.0)));
+  taps.second = mix(next, mix(size - 1.0, vec2(0.0), repeats), greaterThanEqual(next, size));
+  return taps;
+}
+
+float texture_alpha(vec4 texture, vec2 uv) {
+  uint wraps = uint(texture.w);
+  Taps taps = taps_of(uv, texture.yz, uvec2(wraps & 3u, wraps >> 2));
+  int first = int(texture.x), width = int(texture.y);
+  int top = first + int(taps.first.y) * width, bottom = first + int(taps.second.y) * width;
+  ivec2 x = ivec2(taps.first.x, taps.second.x);
+  vec2 left = vec2(texelFetch(alphas, top + x.x).r, texelFetch(alphas, bottom + x.x).r);
+  vec2 right = vec2(texelFetch(alphas, top + x.y).r, texelFetch(alphas, bottom + x.y).r);
+  vec2 rows = mix(left, right, taps.weight.x);
+  return mix(rows.x, rows.y, taps.weight.y);
+}
+
+// Whether a ray that meets a triangle meets no hole there (stereo/tracer/hole_test.h). `at`: where the triangle's alpha is.
+bool is_solid(int corner, int at, Ray ray) {
+  vec3 weights = weights_at(texelFetch(triangles, corner).xyz, texelFetch(triangles, corner + 1).xyz,
+                            texelFetch(triangles, corner + 2).xyz, ray);
+  vec4 of_corners = texelFetch(triangles, at), uv_ab = texelFetch(triangles, at + 1), uv_c = texelFetch(triangles, at + 2);
+  vec2 uv = mat3x2(uv_ab.xy, uv_ab.zw, uv_c.xy) * weights;
+  return dot(of_corners.xyz, weights) * texture_alpha(texelFetch(triangles, int(uv_c.z)), uv) >= of_corners.w;
+}
+
 // What lies between a point and a light. `undecided`: only what may have a hole there.
 struct Met {
   bool dark, undecided;
@@ -131,15 +182,24 @@ Met trace(uint light, vec3 p, vec3 n, vec3 plane, float slack) {
   uint list = list_at(map, from_light);
   Met met = Met(is_out_of_reach(light, ray.along, n, plane), false);
   bool more = list != 0u && !met.dark;
-  for (int i = int(map.place.y + list); more; ++i) {
-    uint word = texelFetch(light_buffers, i).x;
-    int corner = int(word & ~FARSHADE_LAST) * 3;
-    vec4 first = texelFetch(triangle_corners, corner);
-    bool hit = is_between(first.xyz, texelFetch(triangle_corners, corner + 1).xyz, texelFetch(triangle_corners, corner + 2).xyz, ray);
-    bool has_holes = first.w != 0.0;
-    met.dark = met.dark || (hit && !has_holes);
-    met.undecided = met.undecided || (hit && has_holes);
-    more = !met.dark && (word & FARSHADE_LAST) == 0u;
+  int i = int(map.place.y + list);
+  while (more) {  // one round if no triangle has holes
+    bool hit = false;
+    int corner = 0;
+    float alpha = 0.0;
+    while (more && !hit) {
+      uint word = texelFetch(light_buffers, i++).x;
+      corner = int(word & ~FARSHADE_LAST) * 3;
+      vec4 first = texelFetch(triangles, corner);
+      alpha = first.w;
+      hit = is_between(first.xyz, texelFetch(triangles, corner + 1).xyz, texelFetch(triangles, corner + 2).xyz, ray);
+      more = (word & FARSHADE_LAST) == 0u;
+    }
+    bool unknown = hit && alpha == FARSHADE_UNKNOWN_HOLES, solid = hit && alpha == 0.0;
+    if (kHoles && hit && alpha > 0.0) solid = is_solid(corner, int(alpha), ray);
+    met.dark = met.dark || solid;
+    met.undecided = met.undecided || unknown;
+    more = more && !met.dark;
   }
   return met;
 }

@@ -48,7 +48,8 @@
 #define FARSHADE_CONSTANT_CUBE_MASK 16          // points that no view's mask knows are looked up in the cube mask
 #define FARSHADE_CONSTANT_ROW_GROUPS 17         // workgroups in a row of a dispatch over listed pixels
 #define FARSHADE_CONSTANT_EDGE_RAYS 18          // the client's own rays decide at shadow edges
-#define FARSHADE_CONSTANTS 19
+#define FARSHADE_CONSTANT_HOLES 19              // some surface has holes
+#define FARSHADE_CONSTANTS 20
 
 // Devices guarantee so many workgroups along each side of a dispatch, so the groups of longer lists form rows.
 // All rows but a single one have full length, so a list of a little more than a row runs twice as many groups.

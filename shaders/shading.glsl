@@ -19,6 +19,7 @@ layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
 layout(constant_id = FARSHADE_CONSTANT_CUBE_MASK) const bool kCubeMask = true;
 layout(constant_id = FARSHADE_CONSTANT_ROW_GROUPS) const uint kRowGroups = FARSHADE_ROW_GROUPS;
 layout(constant_id = FARSHADE_CONSTANT_EDGE_RAYS) const bool kEdgeRays = false;
+layout(constant_id = FARSHADE_CONSTANT_HOLES) const bool kHoles = false;
 
 // 0 left, 1 right. As a constant, it would double what drivers compile.
 layout(push_constant) uniform Dispatch { uint shown_eye; };

@@ -1,5 +1,6 @@
 #include "stereo/edge_rays/edge_rays.h"
 
+#include "stereo/edge_rays/caster_texels.h"
 #include "stereo/gpu/upload.h"
 
 namespace farshade {
@@ -8,6 +9,7 @@ namespace {
 constexpr std::size_t kStaging_bytes = 16 << 20;
 
 const std::vector<gpu::BindingKind> kRaySet{
+    {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute},
     {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute},
     {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute},
     {vk::DescriptorType::eUniformTexelBuffer, vk::ShaderStageFlagBits::eCompute}};
@@ -23,17 +25,6 @@ gpu::Buffer on_device(const gpu::Device& device, const std::vector<T>& content, 
   upload.write(buffer, 0, bytes);
   upload.flush();
   return buffer;
-}
-
-/// The corners of all triangles as texels; w of a triangle's first corner is 1 if it has holes.
-std::vector<glm::vec4> texels_of(const CasterTriangles& casters) {
-  std::vector<glm::vec4> texels;
-  texels.reserve(3 * casters.corners.size() + 1);
-  for (std::size_t t = 0; t < casters.corners.size(); ++t)
-    for (const glm::vec3& corner : casters.corners[t])
-      texels.emplace_back(corner, casters.has_holes[t] ? 1.0f : 0.0f);
-  texels.emplace_back(0.0f);  // a buffer has a size
-  return texels;
 }
 
 /// The projection of the light buffer of each light, also of those that are off.
@@ -62,22 +53,24 @@ EdgeRays::EdgeRays(gpu::FramesInFlight& frames, const Scene& scene, const DrawPl
   const gpu::Device& device = frames.device();
   const CasterTriangles casters = caster_triangles(scene, plan);
   origin_ = casters.origin;
-  std::vector<glm::vec4> corners = texels_of(casters);
-  const std::uint64_t bytes = corners.size() * sizeof(glm::vec4);
-  const bool fits = bytes <= kMostEdgeRayBytes && corners.size() <= device.max_texels;
-  if (!fits) corners.resize(1);
-  const std::uint64_t words_left = fits ? (kMostEdgeRayBytes - bytes) / sizeof(std::uint32_t) : 0;
+  CasterTexels texels = caster_texels(scene, casters, kMostEdgeRayBytes, device.max_texels);
+  const bool fits = texels.bytes() <= kMostEdgeRayBytes && texels.triangles.size() <= device.max_texels;
+  if (!fits) texels.triangles.resize(1);
+  const std::uint64_t words_left = fits ? (kMostEdgeRayBytes - texels.bytes()) / sizeof(std::uint32_t) : 0;
   const std::vector<std::uint32_t> words =
       make_buffers(scene, casters, std::min(words_left, device.max_texels));
   words_ = on_device(device, words, "light buffers");
-  corners_ = on_device(device, corners, "caster triangles");
+  triangles_ = on_device(device, texels.triangles, "caster triangles");
+  alphas_ = on_device(device, texels.alphas, "alpha of casters");
   words_view_ = gpu::view_texels(device, words_, vk::Format::eR32Uint);
-  corners_view_ = gpu::view_texels(device, corners_, vk::Format::eR32G32B32A32Sfloat);
+  triangles_view_ = gpu::view_texels(device, triangles_, vk::Format::eR32G32B32A32Sfloat);
+  alphas_view_ = gpu::view_texels(device, alphas_, vk::Format::eR8Unorm);
   bindings_ = gpu::make_bindings(device, kRaySet, "edge rays");
   places_view_ = gpu::view_texels(device, places_.buffer(), vk::Format::eR32G32B32A32Sfloat);
   gpu::bind_texels(device, bindings_, 0, *places_view_);
   gpu::bind_texels(device, bindings_, 1, *words_view_);
-  gpu::bind_texels(device, bindings_, 2, *corners_view_);
+  gpu::bind_texels(device, bindings_, 2, *triangles_view_);
+  gpu::bind_texels(device, bindings_, 3, *alphas_view_);
 }
 
 /// Fills lights_, and returns the words of all buffers: one at least, because a buffer of the device has a

@@ -1,5 +1,6 @@
 /// EdgeRays: what the device needs to trace the client's own shadow rays (shaders/edge_rays.comp): the
-/// triangles that cast and never move, and a LightBuffer for each light that rests.
+/// triangles that cast and never move, the alpha of those with holes, and a LightBuffer for each light that
+/// rests.
 #pragma once
 
 #include "stereo/edge_rays/light_buffer.h"
@@ -9,8 +10,9 @@
 
 namespace farshade {
 
-/// Light buffers and triangles take at most this, and no more texels than a buffer of the device can have.
-/// From the first light on whose buffer would take more, lights have none.
+/// Light buffers, triangles and alpha take at most this, and no more texels than a buffer of the device can
+/// have. If alpha does not fit, holes are unknown (caster_texels.h). From the first light on whose buffer
+/// would take more, lights have none.
 inline constexpr std::size_t kMostEdgeRayBytes = 64 << 20;
 
 class EdgeRays {
@@ -29,7 +31,7 @@ class EdgeRays {
   /// Set 1 of edge_rays.comp.
   [[nodiscard]] const gpu::Bindings& bindings() const { return bindings_; }
   /// Of device memory.
-  [[nodiscard]] std::size_t bytes() const { return words_.bytes + corners_.bytes; }
+  [[nodiscard]] std::size_t bytes() const { return words_.bytes + triangles_.bytes + alphas_.bytes; }
 
  private:
   /// A light, and where its buffer begins.
@@ -42,8 +44,9 @@ class EdgeRays {
   Point<Stage> origin_;  ///< of the triangles
   std::vector<Buffered> lights_;
   gpu::UploadBuffer places_;  ///< a ShadowMapData for each light, and one for the triangles' origin
-  gpu::Buffer words_, corners_;
-  vk::raii::BufferView places_view_{nullptr}, words_view_{nullptr}, corners_view_{nullptr};
+  gpu::Buffer words_, triangles_, alphas_;
+  vk::raii::BufferView places_view_{nullptr}, words_view_{nullptr}, triangles_view_{nullptr},
+      alphas_view_{nullptr};
   gpu::Bindings bindings_;
 };
 

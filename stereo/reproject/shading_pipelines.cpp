@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for_each.h>
 
+#include <algorithm>
 #include <bit>
 #include <iterator>
 
@@ -131,6 +132,7 @@ std::vector<std::uint32_t> constants_of(const ShadingKey& key, const DrawPlan& p
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
   constants[FARSHADE_CONSTANT_CUBE_MASK] = plan.cube_mask;
   constants[FARSHADE_CONSTANT_EDGE_RAYS] = key.edge_rays;
+  constants[FARSHADE_CONSTANT_HOLES] = std::ranges::any_of(plan.surfaces, &SurfaceNeeds::alpha_test);
   constants[FARSHADE_CONSTANT_ROW_GROUPS] = row_groups(device.max_groups[0]);
   return constants;
 }

@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <numbers>
 
+#include <random>
+
 #include "tests/golden/test_rig.h"
+#include "tests/oracle/scene_builder.h"
 
 namespace farshade {
 namespace {
@@ -231,10 +234,76 @@ TEST_F(EdgeRaysIn, ARevealedFloorAreRightAtOnce) {
     }
   });
   EXPECT_GT(rays, 3000u);
-
   EXPECT_LT(lit, rays * 9 / 10);
   EXPECT_LT(wrong, rays / 400);
   EXPECT_EQ(others, 0u);
+}
+
+/// Random alphas of `side` x `side` texels.
+Texture random_alphas(std::uint32_t side, Wrap wrap_u, Wrap wrap_v, std::mt19937& random) {
+  Texture texture{.image = Image<Rgba8>({side, side + 1}), .wrap_u = wrap_u, .wrap_v = wrap_v};
+  for (Rgba8& texel : texture.image.pixels) texel.a = static_cast<std::uint8_t>(random() % 256);
+  return texture;
+}
+
+/// Cloths with holes above a floor: three with textures of each wrap, one that has only alpha of vertices,
+/// and one below these. Below it is a rod without holes. Vertices have alpha on each cloth. A texel is about
+/// six pixels wide.
+Scene torn_cloths(std::uint32_t texture_side) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {3, 0, 0}, {0, 0, -3}));
+  std::mt19937 random(7);
+  const auto add = [&](const glm::vec3& center, std::optional<std::uint32_t> texture) {
+    Mesh cloth = quad(center, {0.4f, 0.1f, 0}, {0, 0.05f, -0.35f}, 2.3f);
+    for (glm::vec2& uv : cloth.uvs) uv -= glm::vec2(0.7f, 0.4f);
+    for (std::size_t i = 0; i < cloth.positions.size(); ++i)
+      cloth.colors.emplace_back(255, 255, 255, 255 - random() % 90);
+    if (!texture)
+      for (std::size_t i = 0; i < cloth.colors.size(); i += 2) cloth.colors[i].a = 30;
+    builder.add(
+        cloth,
+        builder.material(
+            {.name = "cloth", .base_color = {1, 1, 1, 0.95f}, .texture = texture, .alpha_cutoff = 0.4f}));
+  };
+  const auto texture = [&](Wrap wrap_u, Wrap wrap_v) {
+    return builder.texture(random_alphas(texture_side, wrap_u, wrap_v, random));
+  };
+  add({-0.5f, 0.9f, -0.4f}, texture(Wrap::Repeat, Wrap::MirroredRepeat));
+  add({0.5f, 0.9f, -0.4f}, texture(Wrap::MirroredRepeat, Wrap::ClampToEdge));
+  add({-0.5f, 0.9f, 0.4f}, texture(Wrap::ClampToEdge, Wrap::Repeat));
+  add({0.5f, 0.9f, 0.4f}, std::nullopt);
+  add({0.1f, 0.6f, 0.1f}, texture(Wrap::Repeat, Wrap::Repeat));
+  builder.add(box({0, 0.4f, 0.05f}, {0.9f, 0.03f, 0.03f}));
+  builder.point_light({0.3, 3, 0.2});
+  builder.directional_light({0.3, -1, -0.2});
+  builder.spot_light({-0.4, 2.8, 0.5}, {0.1, -1, -0.1}, 0.7f);
+  Scene scene = builder.build();
+  scene.camera = look({0.2, 1.8, 2.0}, {0, 0.2, 0}, 1).stage_from_eye;
+  return scene;
+}
+
+TEST_F(EdgeRaysIn, AlphaMaskedCastersAreRight) {
+  TestRig rig = TestRig::with_edge_rays(device_, torn_cloths(5), kSide_px);
+  const Errors errors = this->errors(rig, {0.02, 0.01, 0}, 0.003);
+  std::printf("mask error under torn cloths, %%: line %.4f, rays %.4f, where they decide %.4f of %zu\n",
+              100 * errors.line, 100 * errors.exact,
+              100 * errors.of_rays.wrong / static_cast<double>(errors.of_rays.rays), errors.of_rays.rays);
+  EXPECT_LT(errors.exact, errors.line / 3);
+  EXPECT_GT(errors.of_rays.rays, 10000u);
+  EXPECT_LT(errors.of_rays.wrong, 0.0025 * static_cast<double>(errors.of_rays.rays));
+}
+
+/// Where only a triangle whose alpha is not on the device stops a ray, it decides nothing.
+TEST_F(EdgeRaysIn, AlphaMaskedCastersWhoseTexturesDoNotFitHaveTheLine) {
+  const auto errors_with = [&](std::uint64_t max_texels) {
+    device_.max_texels = max_texels;
+    TestRig rig = TestRig::with_edge_rays(device_, torn_cloths(300), kSide_px);
+    return errors(rig, {0.02, 0.01, 0}, 0.003);
+  };
+  const Errors all = errors_with(1'000'000), small = errors_with(100'000);
+  EXPECT_LT(all.exact, 0.5 * all.line);
+  EXPECT_GT(small.exact, 2 * all.exact);
+  EXPECT_LT(small.exact, small.line);
 }
 
 TEST_F(EdgeRaysIn, AWarmedUpRendererMakeNoPipelineInAFrame) {

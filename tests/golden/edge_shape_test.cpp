@@ -1,6 +1,7 @@
 /// Shadow edges of many shapes, between pixels: heads that turn by random parts of a pixel see edges that are
 /// straight, curved, leafy, crossing, thinner than a pixel, and bent at creases. The visibilities of both
 /// eyes are compared with the oracle (tests/oracle), which shares no code with tracer and client.
+#include <algorithm>
 #include <cstdio>
 #include <random>
 
@@ -54,6 +55,23 @@ void add_leaves(SceneBuilder& builder) {
   for (int i = 0; i < 40; ++i)
     builder.add(quad({place(random), 0.8f + 0.3f * tilt(random), place(random)},
                      {size(random), 0, tilt(random) * 0.1f}, {0, tilt(random) * 0.1f, -size(random)}));
+}
+
+void add_alpha_masked_leaves(SceneBuilder& builder) {
+  Texture leaf{.image = Image<Rgba8>({16, 16})};
+  for (int i = 0; i < 256; ++i) {
+    const double x = i % 16 - 7.5, y = i / 16 - 7.5, inside = 8 * (1 - (x * x + y * y + x * y) / 45);
+    leaf.image.pixels[static_cast<std::size_t>(i)].a =
+        static_cast<std::uint8_t>(std::clamp(128 + 12 * inside, 0.0, 255.0));
+  }
+  const std::uint32_t masked =
+      builder.material({.name = "leaf", .texture = builder.texture(leaf), .alpha_cutoff = 0.5f});
+  std::mt19937 random(12);
+  std::uniform_real_distribution<float> place(-0.6f, 0.6f), size(0.1f, 0.2f), tilt(-0.5f, 0.5f);
+  for (int i = 0; i < 20; ++i)
+    builder.add(quad({place(random), 0.8f + 0.3f * tilt(random), place(random)},
+                     {size(random), 0, tilt(random) * 0.1f}, {0, tilt(random) * 0.1f, -size(random)}),
+                masked);
 }
 
 void add_crossing_rods(SceneBuilder& builder) {
@@ -158,7 +176,8 @@ TEST_P(EdgeShapes, AreWhereTheOracleSeesThemAtAnyPartOfAPixel) {
 INSTANTIATE_TEST_SUITE_P(
     , EdgeShapes,
     testing::Values(EdgeShape{"straight", add_box, 0.37}, EdgeShape{"curved", add_sphere, 0.37},
-                    EdgeShape{"leafy", add_leaves, 0.48}, EdgeShape{"crossing", add_crossing_rods, 0.4},
+                    EdgeShape{"leafy", add_leaves, 0.48}, EdgeShape{"masked", add_alpha_masked_leaves, 0.48},
+                    EdgeShape{"crossing", add_crossing_rods, 0.4},
                     EdgeShape{"thin", add_thin_rods, 0.75, 0.05}, EdgeShape{"creases", add_creases, 0.4}),
     testing::PrintToStringParamName());
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -61,6 +63,45 @@ TEST(CasterTriangles, TellWhichHaveHoles) {
   builder.add(quad({0, 0, -1}, {1, 0, 0}, {0, 1, 0}), leaf);
   builder.point_light({0, 0, 2});
   EXPECT_EQ(casters_of(builder.build()).has_holes, (std::vector{false, true, true}));
+}
+
+TEST(CasterTriangles, KeepTheAlphaOfThoseWithHoles) {
+  SceneBuilder builder;
+  const Texture texture{.image = Image<Rgba8>({2, 2})};
+  static_cast<void>(builder.texture(texture));
+  const std::uint32_t leaf = builder.material({.name = "leaf",
+                                               .base_color = {1, 1, 1, 0.5f},
+                                               .texture = builder.texture(texture),
+                                               .alpha_cutoff = 0.25f}),
+                      plain = builder.material({.name = "plain", .texture = {}, .alpha_cutoff = 0.75f});
+  Mesh with_uvs = triangle_at(10), with_colors = triangle_at(20);
+  with_uvs.uvs = {{0, 1}, {2, 3}, {4, 5}};
+  for (const int alpha : {0, 51, 255}) with_colors.colors.emplace_back(9, 9, 9, alpha);
+  builder.add(triangle_at(0));
+  builder.add(with_uvs, leaf);
+  builder.add(with_colors, plain);
+  builder.point_light({0, 0, 2});
+  const std::vector<TriangleAlpha> alphas = casters_of(builder.build()).alphas;
+  ASSERT_EQ(alphas.size(), 2u);
+  EXPECT_EQ(alphas[0].cutoff, 0.25f);
+  EXPECT_EQ(alphas[0].at_corners, (std::array{0.5f, 0.5f, 0.5f}));
+  EXPECT_EQ(alphas[0].texture, 1u);
+  EXPECT_EQ(alphas[0].uvs, (std::array<glm::vec2, 3>{{{0, 1}, {2, 3}, {4, 5}}}));
+  EXPECT_EQ(alphas[1].cutoff, 0.75f);
+  EXPECT_EQ(alphas[1].at_corners, (std::array{0.0f, 0.2f, 1.0f}));
+  EXPECT_FALSE(alphas[1].texture);
+}
+
+TEST(CasterTriangles, HaveNoHolesWithoutACutoff) {
+  SceneBuilder builder;
+  builder.add(triangle_at(0));
+  builder.point_light({0, 0, 2});
+  const Scene scene = builder.build();
+  DrawPlan plan = plan_for(scene).draw;
+  plan.surfaces[0].alpha_test = true;
+  const CasterTriangles casters = caster_triangles(scene, plan);
+  ASSERT_EQ(casters.alphas.size(), 1u);
+  EXPECT_EQ(casters.alphas[0].cutoff, -std::numeric_limits<float>::infinity());
 }
 
 }  // namespace
