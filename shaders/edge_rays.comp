@@ -227,8 +227,9 @@ float slack_at(Surface surface) {
 }
 
 void main() {
-  uint i = listed_entry(), packed_pixel = 0u;
-  bool listed = i < min(lists[list_of(FARSHADE_LIST_EDGES)].w, edge_capacity());
+  uint i = listed_entry(), packed_pixel = 0u, edges = lists[list_of(FARSHADE_LIST_EDGES)].w;
+  bool listed = i < min(edges, edge_capacity());
+  bool traced = listed && edges <= edge_capacity();  // otherwise the order of invocations would choose
   if (listed) packed_pixel = list_words[edge_word(i)];
   ivec2 pixel = unpacked(packed_pixel);
   float depth = texelFetch(shown_depths, ivec3(pixel, shown_eye), 0).r;
@@ -242,11 +243,11 @@ void main() {
   bool known = taken.source != FARSHADE_SOURCE_UNKNOWN;
   SourceData newest = source_of(kNewest);
   uint visible[kPlanes];
-  bool wrong = !known, hard = false;
+  bool wrong = !known, hard = listed && !traced;
   [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {
     uint all = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
     uint cell = cell_bits(newest, taken.at, plane), has_buffer = frame.ray_lights[plane / 4][plane % 4];
-    uint rays = !listed ? 0u : known ? cell : all;
+    uint rays = !traced ? 0u : known ? cell : all;
     hard = hard || (rays & ~has_buffer) != 0u;
     rays &= has_buffer;
     uint of_mask = known ? mask_bits(newest, inside(newest, taken.pixel), plane) & all : 0u;
@@ -261,7 +262,7 @@ void main() {
     wrong = wrong || visible[plane] != of_mask;
   }
   if (hard) list_as_hard(pixel, surface.slot != 0u);
-  if (listed && wrong && !hard) {
+  if (traced && wrong && !hard) {
     uint word = flipped_word(append(FARSHADE_LIST_FLIPPED), 0);
     list_words[word] = packed_pixel;
     [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) list_words[word + 1 + plane] = visible[plane];

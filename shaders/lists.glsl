@@ -44,7 +44,10 @@ void list_as_hard(ivec2 pixel, bool can_move) {
   list_words[hard_word(i, can_move)] = packed(pixel);
 }
 
-uint edge_capacity() { return (shown_pixels() + FARSHADE_PIXELS_PER_EDGE - 1) / FARSHADE_PIXELS_PER_EDGE; }
+uint edge_capacity() {
+  uint share = (shown_pixels() + FARSHADE_PIXELS_PER_EDGE - 1) / FARSHADE_PIXELS_PER_EDGE;
+  return max(share, min(shown_pixels(), FARSHADE_FEWEST_EDGES));
+}
 uint edge_word(uint i) { return 2 * shown_pixels() + shown_eye * (2 + kPlanes) * edge_capacity() + i; }
 // Word 0 of an entry is the pixel, word 1 + plane its bits.
 uint flipped_word(uint i, uint word) { return edge_word(edge_capacity() + i * (1 + kPlanes) + word); }

@@ -62,6 +62,7 @@
 #define FARSHADE_LIST_EDGES 2
 #define FARSHADE_LIST_FLIPPED 3
 #define FARSHADE_LISTS 4
+#define FARSHADE_FEWEST_EDGES 65536  // that fit into an eye's list, or all pixels: small pictures have more edges
 #define FARSHADE_PIXELS_PER_EDGE 2  // at least: more edges are hard; 4 are too few for the bundled room at 256x256
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these

@@ -171,6 +171,7 @@ Expected<void> print_plan(const Options& options) {
   Expected<PlannedScene> planned = load_planned(options, needs_of(options, headset.eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
   planned->plan.draw.passes = options.passes.value_or(planned->plan.draw.passes);
+  planned->plan.draw.edge_rays = has_edge_rays(options, planned->plan.draw);
   const Scene& scene = planned->scene;
   const SceneLevels levels = levels_for(scene, planned->plan);
   const Rigid<Stage, Eye> camera = viewpoint_of(scene, options.start_pose);
@@ -182,6 +183,9 @@ Expected<void> print_plan(const Options& options) {
   line("triangles", fmt::format("at most {} of {} at the reference camera, both eyes",
                                 gbuffer_triangles(scene, planned->plan.draw, levels, views),
                                 gbuffer_triangles(scene, planned->plan.draw, {}, views)));
+  if (planned->plan.draw.edge_rays)
+    line("edges", fmt::format("rays of the client's own, for as many lights as fit into {} of light buffers",
+                              megabytes(kMostEdgeRayBytes)));
   line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels,
                                         maps_of(options))));
   if (!recording) return {};
@@ -276,6 +280,15 @@ Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   return OpenedRun{std::move(*opened), std::move(*head), frames, settings};
 }
 
+/// With the virtual clock, each run shows the same pictures.
+void wait_for_edge_rays(const Client& client, StopSignal& stop, Stages& stages) {
+  constexpr Duration kPoll = std::chrono::milliseconds(10);
+  if (!client.edge_rays) return;
+  while (!stop.has_come() && client.edge_rays->data().wait_for(kPoll) != std::future_status::ready) {
+  }
+  stages.end("light buffers");
+}
+
 /// Shows the frames of a run, over losses of its device.
 Expected<void> show_run(const Options& options, const OpenedRun& run, Runtime& runtime, RunOutputs& outputs,
                         StopSignal& stop) {
@@ -311,6 +324,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
   RunOutputs outputs(options, client, stages,
                      report_options(options, opened->frames,
                                     options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce));
+  if (options.pace == Pace::Virtual) wait_for_edge_rays(client, stop, stages);
   if (auto done = open_link(options, client, outputs.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
   if (head.exposure) client.exposure = head.exposure;

@@ -180,14 +180,16 @@ std::uint32_t frames_in_flight(const Options& options, const gpu::Device& device
 
 /// With the passes and frames in flight that suit the device.
 void make_renderer_of(const Options& options, Client& client) {
-  client.plan.draw.edge_rays =
-      options.reprojection.edges == Edges::Exact && reprojects_masks(client.plan.draw);
+  client.plan.draw.edge_rays = has_edge_rays(options, client.plan.draw);
   client.plan.draw.passes = client.plan.draw.edge_rays
                                 ? ShadingPasses::Sorted
                                 : options.passes.value_or(suited_passes(client.device));
   client.limits.frames = frames_in_flight(options, client.device);
-  client.renderer =
-      make_renderer(client.device, client.scene, client.plan.draw, client.limits, client.levels);
+  if (client.plan.draw.edge_rays && !client.edge_rays)
+    client.edge_rays =
+        std::make_unique<EdgeRayWork>(client.scene, client.plan.draw, client.device.max_texels);
+  client.renderer = make_renderer(client.device, client.scene, client.plan.draw, client.limits, client.levels,
+                                  client.edge_rays ? client.edge_rays->data() : FutureEdgeRayData());
 }
 
 }  // namespace
@@ -196,6 +198,10 @@ void open_renderer(const Options& options, Client& client, const RendererLimits&
   client.levels = levels_for(client.scene, client.plan);
   client.limits = limits;
   make_renderer_of(options, client);
+}
+
+bool has_edge_rays(const Options& options, const DrawPlan& plan) {
+  return options.reprojection.edges == Edges::Exact && reprojects_masks(plan);
 }
 
 Expected<void> reopen_device(const Options& options, Client& client) {

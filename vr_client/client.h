@@ -11,6 +11,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/link/network_link.h"
 #include "stereo/net/impaired_port.h"
+#include "vr_client/edge_ray_work.h"
 #include "vr_client/frame/reference.h"
 #include "vr_client/options.h"
 #include "vr_client/record/capture_file.h"
@@ -25,9 +26,10 @@ struct Client {
   gpu::Device device;
   bool is_first_start = false;  ///< no start on this machine has kept its pipelines yet
   RendererLimits limits;
-  std::unique_ptr<Renderer> renderer;     ///< with these limits
-  std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
-  std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
+  std::unique_ptr<EdgeRayWork> edge_rays;  ///< once a renderer has needed it; later ones share its data
+  std::unique_ptr<Renderer> renderer;      ///< with these limits
+  std::unique_ptr<Reference> reference;    ///< for measuring; empty until open_reference
+  std::unique_ptr<Reference> own_tracer;   ///< mode full: traces the shown shadows; empty until open_tracers
   PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
   std::unique_ptr<DatagramPort> network;  ///< to the server
   ImpairedPort* simulator = nullptr;      ///< `network`, if it impairs the path: with --net, and in previews
@@ -49,6 +51,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 
 /// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
+
+/// Whether the client traces its own rays at shadow edges.
+[[nodiscard]] bool has_edge_rays(const Options& options, const DrawPlan& plan);
 
 /// Plans and makes the renderer anew for the mode of `options`, whose scene and device the client keeps. No
 /// work on the device may be pending. Fails, with nothing changed, if the mode cannot be run here.

@@ -78,11 +78,11 @@ bool has_two_cores() {
 }
 
 /// Whether a second device would help if there is much to compile, and has the memory for a copy of the
-/// scene.
+/// scene. Light buffers are not copied.
 bool may_help(const Client& client) {
-  return client.device.is_cpu && has_two_cores() &&
-         client_memory(client.scene, client.plan.draw, client.limits, client.levels).total() <=
-             kMostCopied_bytes;
+  gpu::BytesByUse copied = client_memory(client.scene, client.plan.draw, client.limits, client.levels);
+  copied[gpu::Use::EdgeRays] = 0;
+  return client.device.is_cpu && has_two_cores() && copied.total() <= kMostCopied_bytes;
 }
 
 /// Compiles on a device of its own until no number is left. What it cannot do, the first device does.

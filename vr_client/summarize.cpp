@@ -30,8 +30,21 @@ std::string heading(const RunSetting& setting, const RunTotals& totals, const Cl
   if (totals.silent_frames > 0)
     text += fmt::format("the server was silent for {:.1f} s: {} frames, which no run time includes\n",
                         seconds_of(totals.silent), totals.silent_frames);
+  if (client.edge_rays)
+    text +=
+        fmt::format("edge rays: {}\n", client.edge_rays->is_done() ? in_words(client.edge_rays->data().get())
+                                                                   : "the light buffers were not ready");
   return text + fmt::format("memory on the device: {} at peak, {} estimated by the plan\n",
                             megabytes(totals.memory_bytes), megabytes(totals.planned_memory_bytes));
+}
+
+/// With what the light buffers take instead of the limit, once that is known.
+std::uint64_t planned_memory(const Client& client, const RendererLimits& limits,
+                             const ShadowMapSettings* maps = nullptr) {
+  gpu::BytesByUse memory = client_memory(client.scene, client.plan.draw, limits, client.levels, maps);
+  if (client.edge_rays && client.edge_rays->is_done())
+    memory[gpu::Use::EdgeRays] = client.edge_rays->data().get().bytes();
+  return most_at_once(memory);
 }
 
 /// The verdict, `about` the run, and the rows that matter in the mode.
@@ -82,8 +95,7 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
         static_cast<double>(run.head_test.inside) / static_cast<double>(run.head_test.tested);
   totals.silent = run.silence.time();
   totals.silent_frames = run.silence.frames();
-  totals.planned_memory_bytes = most_at_once(client_memory(
-      client.scene, client.plan.draw, renderer_limits(options), client.levels, maps_of(options)));
+  totals.planned_memory_bytes = planned_memory(client, renderer_limits(options), maps_of(options));
   return write_summary(options, setting, totals, run.log, heading(setting, totals, client));
 }
 
@@ -99,8 +111,7 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
                            .delay_ms = ms_of(header.policy.delay),
                            .interrupted = replay.interrupted};
   RunTotals totals = totals_of(client, header.limits.size, header.refresh_hz, replay.log);
-  totals.planned_memory_bytes =
-      most_at_once(client_memory(client.scene, client.plan.draw, header.limits, client.levels));
+  totals.planned_memory_bytes = planned_memory(client, header.limits);
   return write_summary(options, setting, totals, replay.log,
                        fmt::format("{} from {} on {}: {}\n", header.scene, options.replay.string(),
                                    client.device.name, replay.verdict));

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "stereo/draw/renderer.h"
+#include "stereo/edge_rays/edge_ray_data.h"
 #include "stereo/image/mip_levels.h"
 #include "stereo/lod/level_choice.h"
 #include "stereo/plan/plan_masks.h"
@@ -74,11 +75,12 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::Shown] = pixels * 4;
   memory[Use::Report] = shading.report;
   memory[Use::ReadBack] = pixels * 4;
+  if (plan.edge_rays) memory[Use::EdgeRays] = kMostEdgeRayBytes + map_data_bytes(scene);
   if (maps != nullptr) add_shadow_maps(scene, *maps, memory);
   memory[Use::Uploads] =
       limits.frames *
       (memory[Use::Frame] + shading.all_words(plan) + shading.all_known(plan) + kEyes * reprojection.quads +
-       memory[Use::Motion] + (maps != nullptr ? map_data_bytes(scene) : 0));
+       memory[Use::Motion] + (maps != nullptr || plan.edge_rays ? map_data_bytes(scene) : 0));
   return memory;
 }
 

@@ -26,8 +26,9 @@ struct DrawCounters {
 
 /// The bytes that a renderer allocates at most, by use. It allocates Report and ReadBack when they are first
 /// requested, Depth as far as the answers are late (depth_slots.h), and frees Staging once the scene is on
-/// the device. With `maps` it draws shadow maps, too; then shadow_map_bytes must succeed for them.
-/// Use::Uploads is host memory, for frames that write everything.
+/// the device. EdgeRays is the limit, because only their light buffers tell what they take. With `maps` it
+/// draws shadow maps, too; then shadow_map_bytes must succeed for them. Use::Uploads is host memory, for
+/// frames that write everything.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits, const SceneLevels& levels = {},
                                             const ShadowMapSettings* maps = nullptr);

@@ -47,7 +47,7 @@ class AddedTime {
 class VulkanRenderer final : public Renderer {
  public:
   VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
-                 const SceneLevels& levels);
+                 const SceneLevels& levels, FutureEdgeRayData edge_rays);
 
   void draw(const ShownFrame& frame) override;
   std::vector<std::function<void()>> compile_steps(const Reprojection& reprojection, PixelReport report,
@@ -141,7 +141,8 @@ class VulkanRenderer final : public Renderer {
 };
 
 VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
-                               const RendererLimits& limits, const SceneLevels& levels)
+                               const RendererLimits& limits, const SceneLevels& levels,
+                               FutureEdgeRayData edge_rays)
     : device_(device),
       scene_(scene),
       plan_(settled(std::move(plan))),
@@ -159,7 +160,8 @@ VulkanRenderer::VulkanRenderer(const gpu::Device& device, const Scene& scene, Dr
       transfer_(frames_, gbuffer_, limits.size),
       shading_(frames_, plan_, &gbuffer_, masks_.depths(), masks_.masks(), frame_buffer_, masks_.motion(),
                shading_bytes(plan_, limits.size, limits.traced_size), limits.size,
-               plan_.edge_rays ? &edge_rays_.emplace(frames_, scene, plan_) : nullptr),
+               plan_.edge_rays ? &edge_rays_.emplace(frames_, scene.lights.size(), std::move(edge_rays))
+                               : nullptr),
       shown_depth_(own_depth_),
       read_back_(device),
       stamps_(device, narrow<std::uint32_t>(frames_.count()) * kAllStamps),
@@ -528,8 +530,10 @@ ShadingPasses suited_passes(const gpu::Device& device) {
 }
 
 std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
-                                        const RendererLimits& limits, const SceneLevels& levels) {
-  return std::make_unique<VulkanRenderer>(device, scene, std::move(plan), limits, levels);
+                                        const RendererLimits& limits, const SceneLevels& levels,
+                                        FutureEdgeRayData edge_rays) {
+  return std::make_unique<VulkanRenderer>(device, scene, std::move(plan), limits, levels,
+                                          std::move(edge_rays));
 }
 
 std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,

@@ -10,6 +10,7 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/draw/counters.h"
+#include "stereo/edge_rays/edge_ray_data.h"
 #include "stereo/frame/cube_mask.h"
 #include "stereo/frame/hidden_area.h"
 #include "stereo/frame/pixel_plane.h"
@@ -213,10 +214,12 @@ class Renderer {
 [[nodiscard]] ShadingPasses suited_passes(const gpu::Device& device);
 
 /// Keeps the references except `levels`, which are those of the scene or empty. `plan` is a plan for
-/// `scene`; the scene has only the lights that the plan keeps. Throws when the device runs out of memory.
+/// `scene`; the scene has only the lights that the plan keeps. If the plan has edge rays, `edge_rays` is what
+/// they need; until it is there, shadow edges have the line. Throws when the device runs out of memory.
 [[nodiscard]] std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
                                                       DrawPlan plan, const RendererLimits& limits,
-                                                      const SceneLevels& levels = {});
+                                                      const SceneLevels& levels = {},
+                                                      FutureEdgeRayData edge_rays = {});
 /// With a plan that keeps all lights of the scene and suits any client.
 [[nodiscard]] std::unique_ptr<Renderer> make_renderer(const gpu::Device& device, const Scene& scene,
                                                       const RendererLimits& limits);

@@ -1,52 +1,44 @@
-/// EdgeRays: what the device needs to trace the client's own shadow rays (shaders/edge_rays.comp): the
-/// triangles that cast and never move, the alpha of those with holes, and a LightBuffer for each light that
-/// rests.
+/// EdgeRays: EdgeRayData on the device, for shaders/edge_rays.comp.
 #pragma once
 
-#include "stereo/edge_rays/light_buffer.h"
+#include "stereo/edge_rays/edge_ray_data.h"
 #include "stereo/gpu/pass.h"
 #include "stereo/gpu/upload_buffer.h"
-#include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
-/// Light buffers, triangles and alpha take at most this, and no more texels than a buffer of the device can
-/// have. If alpha does not fit, holes are unknown (caster_texels.h). From the first light on whose buffer
-/// would take more, lights have none.
-inline constexpr std::size_t kMostEdgeRayBytes = 64 << 20;
-
 class EdgeRays {
  public:
-  /// Makes the light buffers with all cores, and waits for the device. Keeps the reference to `frames`.
-  /// Throws when the device runs out of memory.
-  EdgeRays(gpu::FramesInFlight& frames, const Scene& scene, const DrawPlan& plan);
+  struct Texels {
+    gpu::Buffer buffer;
+    vk::raii::BufferView view{nullptr};
+  };
 
-  /// Places the lights relative to the shown eyes. Returns those that rays can be traced to: they have a
-  /// light buffer, and are where it was made for. `lights` are those of the scene.
+  /// Keeps the reference to `frames`. `data` is for the scene, which has so many lights.
+  EdgeRays(gpu::FramesInFlight& frames, std::size_t lights, FutureEdgeRayData data);
+
+  /// Takes the data to the device if they have come; then it waits for the device. They are given up if the
+  /// device has no memory for them. Places the lights relative to the shown eyes. Returns the lights that
+  /// rays can be traced to: they have a light buffer, and are where it was made for. `lights` are those of
+  /// the scene.
   [[nodiscard]] LightBits prepare(const StereoView& shown, const LightSet& lights);
   void record_uploads(const vk::raii::CommandBuffer& commands) const {
     gpu::record_uploads(commands, {&places_});
   }
 
-  /// Set 1 of edge_rays.comp.
+  /// Set 1 of edge_rays.comp. `prepare` changes it only before it has returned a light.
   [[nodiscard]] const gpu::Bindings& bindings() const { return bindings_; }
-  /// Of device memory.
-  [[nodiscard]] std::size_t bytes() const { return words_.bytes + triangles_.bytes + alphas_.bytes; }
 
  private:
-  /// A light, and where its buffer begins.
-  struct Buffered {
-    Light light;
-    LightShadowMaps projection;
-  };
-  [[nodiscard]] std::vector<std::uint32_t> make_buffers(const Scene& scene, const CasterTriangles& casters,
-                                                        std::size_t most_words);
-  Point<Stage> origin_;  ///< of the triangles
-  std::vector<Buffered> lights_;
+  void load(const EdgeRayData& data);
+  void take_if_ready();
+
+  const gpu::Device& device_;
+  FutureEdgeRayData data_;
+  bool is_loaded_ = false;
   gpu::UploadBuffer places_;  ///< a ShadowMapData for each light, and one for the triangles' origin
-  gpu::Buffer words_, triangles_, alphas_;
-  vk::raii::BufferView places_view_{nullptr}, words_view_{nullptr}, triangles_view_{nullptr},
-      alphas_view_{nullptr};
+  vk::raii::BufferView places_view_;
+  Texels words_, triangles_, alphas_;
   gpu::Bindings bindings_;
 };
 

@@ -1,11 +1,12 @@
 #include "stereo/edge_rays/light_buffer.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <future>
 #include <limits>
+#include <thread>
 
 #include "stereo/base/check.h"
 
@@ -32,6 +33,25 @@ constexpr double kRounding = 8 * 0x1p-24;
 /// A light counts as in a triangle's plane if it is nearer to it than this share of the distance of its
 /// corners.
 constexpr double kInPlane = 1e-9;
+
+/// Tells the threads that make a buffer when to give up.
+class Limit {
+ public:
+  Limit(std::size_t most_words, const std::stop_token& stop) : most_(most_words), stop_(stop) {}
+
+  /// Of the buffer.
+  void add(std::size_t words) { words_ += words; }
+  /// `count`: all entries in the lists of a square of texels.
+  void check_lists(std::size_t count) {
+    if (count > most_) add(most_ + 1);
+  }
+  [[nodiscard]] bool is_over() const { return words_ > most_ || stop_.stop_requested(); }
+
+ private:
+  std::size_t most_;
+  const std::stop_token& stop_;
+  std::atomic<std::size_t> words_ = 0;
+};
 
 /// A convex polygon. Four clips make at most 7 corners of 3; if rounding makes it concave, at most 13.
 struct Polygon {
@@ -155,11 +175,15 @@ double beyond(double distance) {
 }
 
 /// Fills the lists of `square` with those of `footprints`, nearest first, without those that a texel hides.
-void fill(Square& square, const List& footprints) {
+/// The lists have no meaning if the limit is over afterwards.
+void fill(Square& square, const List& footprints, Limit& limit) {
   square.lists.assign(std::size_t{square.side} * square.side, {});
   std::vector<double> hidden(square.lists.size(), kInfinity);  // beyond this distance
   const double last = square.side - 1.0;
+  std::size_t entries = 0;
   for (const Footprint* footprint : footprints) {
+    limit.check_lists(entries);
+    if (limit.is_over()) return;
     Range rows;
     for (std::size_t i = 0; i < footprint->polygon.count; ++i)
       rows.add((footprint->polygon.corners[i].y - square.y) / square.step);
@@ -169,6 +193,7 @@ void fill(Square& square, const List& footprints) {
       visit_row(square, static_cast<std::uint32_t>(row), *footprint, [&](std::uint32_t texel, bool covers) {
         if (footprint->nearest > hidden[texel]) return;
         square.lists[texel].push_back(footprint);
+        ++entries;
         if (covers && !footprint->has_holes)
           hidden[texel] = std::min(hidden[texel], beyond(footprint->farthest));
       });
@@ -177,9 +202,10 @@ void fill(Square& square, const List& footprints) {
     std::erase_if(square.lists[texel], [&](const Footprint* f) { return f->nearest > hidden[texel]; });
 }
 
-/// Appends the parts and lists of the texels of `square`, whose words begin at `first`.
-void write(const Square& square, std::size_t first, int divisions, LightBuffer& into) {
-  for (std::size_t texel = 0; texel < square.lists.size(); ++texel) {
+/// Appends the parts and lists of the texels of `square`, whose words begin at `first`, until the limit is
+/// over.
+void write(const Square& square, std::size_t first, int divisions, Limit& limit, LightBuffer& into) {
+  for (std::size_t texel = 0; texel < square.lists.size() && !limit.is_over(); ++texel) {
     const List& list = square.lists[texel];
     if (list.empty()) continue;
     const auto here = static_cast<std::uint32_t>(into.size());
@@ -188,30 +214,33 @@ void write(const Square& square, std::size_t first, int divisions, LightBuffer& 
       parts.step = square.step / parts.side;
       parts.x = square.x + static_cast<double>(texel % square.side) * square.step;
       parts.y = square.y + static_cast<double>(texel / square.side) * square.step;
-      fill(parts, list);
+      fill(parts, list, limit);
       std::size_t all = 0;
       for (const List& part : parts.lists) all += part.size();
       if (all < list.size() * parts.lists.size() * 3 / 4) {
         into[first + texel] = FARSHADE_DIVIDED | here;
         into.resize(into.size() + parts.lists.size());
-        write(parts, here, divisions + 1, into);
+        limit.add(parts.lists.size());
+        write(parts, here, divisions + 1, limit, into);
         continue;
       }
     }
     into[first + texel] = here;
     for (const Footprint* footprint : list) into.push_back(footprint->triangle);
     into.back() |= FARSHADE_LAST;
+    limit.add(list.size());
   }
 }
 
-/// The words of one layer; indices count from its first word.
-LightBuffer make_layer(const MapView& view, const CasterTriangles& casters) {
+/// The footprints of all triangles in a layer, or of some once the limit is over.
+std::vector<Footprint> footprints_in(const MapView& view, const CasterTriangles& casters,
+                                     const Limit& limit) {
   std::vector<Footprint> footprints;
   const glm::dvec3 shift = casters.origin.v - view.origin.v;
   double size = glm::length(shift);
   for (const std::array<glm::vec3, 3>& corners : casters.corners)
     for (const glm::vec3& corner : corners) size = std::max(size, double{glm::length(corner)});
-  for (std::uint32_t t = 0; t < casters.corners.size(); ++t) {
+  for (std::uint32_t t = 0; t < casters.corners.size() && !limit.is_over(); ++t) {
     std::array<glm::dvec3, 3> corners;
     for (std::size_t c = 0; c < 3; ++c) corners[c] = glm::dvec3(casters.corners[t][c]) + shift;
     Footprint footprint = footprint_of(view, t, corners);
@@ -221,13 +250,20 @@ LightBuffer make_layer(const MapView& view, const CasterTriangles& casters) {
     footprint.has_holes = casters.has_holes[t];
     footprints.push_back(footprint);
   }
+  return footprints;
+}
+
+/// The words of one layer; indices count from its first word. They have no meaning once the limit is over.
+LightBuffer make_layer(const MapView& view, const CasterTriangles& casters, Limit& limit) {
+  const std::vector<Footprint> footprints = footprints_in(view, casters, limit);
   List all;
   for (const Footprint& footprint : footprints) all.push_back(&footprint);
   std::ranges::sort(all, {}, [](const Footprint* f) { return std::pair(f->nearest, f->triangle); });
   Square square{.step = 1.0 / FARSHADE_LIGHT_BUFFER_SIDE, .side = FARSHADE_LIGHT_BUFFER_SIDE};
-  fill(square, all);
+  fill(square, all, limit);
   LightBuffer result(square.lists.size());
-  write(square, 0, 0, result);
+  limit.add(result.size());
+  write(square, 0, 0, limit, result);
   return result;
 }
 
@@ -241,14 +277,65 @@ void move_indices(std::size_t first, std::size_t count, std::uint32_t shift, Lig
   }
 }
 
+std::uint32_t layers_of(const MapView& view) {
+  return view.kind == FARSHADE_MAP_CUBE ? 6 : 1;
+}
+
+/// Checks the words of a buffer, and counts those that belong to a texel or a list.
+class Checker {
+ public:
+  Checker(std::span<const std::uint32_t> buffer, std::size_t triangles)
+      : buffer_(buffer), triangles_(triangles) {}
+
+  bool checks_texels(std::size_t first, std::size_t count, int divisions) {
+    if (first > buffer_.size() || count > buffer_.size() - first || !uses(count)) return false;
+    return std::ranges::all_of(buffer_.subspan(first, count), [&](std::uint32_t word) {
+      if ((word & FARSHADE_DIVIDED) == 0) return word == 0 || checks_list(word);
+      return divisions < kMostDivisions && checks_texels(word & ~FARSHADE_DIVIDED, kParts, divisions + 1);
+    });
+  }
+  [[nodiscard]] bool used_all() const { return used_ == buffer_.size(); }
+
+ private:
+  /// Words that are used twice are more than there are.
+  bool uses(std::size_t count) { return (used_ += count) <= buffer_.size(); }
+  bool checks_list(std::size_t at) {
+    for (; at < buffer_.size() && uses(1); ++at) {
+      if ((buffer_[at] & ~FARSHADE_LAST) >= triangles_) return false;
+      if ((buffer_[at] & FARSHADE_LAST) != 0) return true;
+    }
+    return false;
+  }
+
+  std::span<const std::uint32_t> buffer_;
+  std::size_t triangles_, used_ = 0;
+};
+
+/// Calls `make` for each layer, from as many threads as there are cores.
+template <class Make>
+void for_layers(std::uint32_t layers, const Make& make) {
+  std::atomic<std::uint32_t> next = 0;
+  const auto make_some = [&] {
+    for (std::uint32_t layer = next++; layer < layers; layer = next++) make(layer);
+  };
+  std::vector<std::future<void>> others;
+  for (std::uint32_t thread = 1; thread < std::min(layers, std::thread::hardware_concurrency()); ++thread)
+    others.push_back(std::async(std::launch::async, make_some));
+  make_some();
+  for (std::future<void>& other : others) other.get();
+}
+
 }  // namespace
 
-LightBuffer make_light_buffer(const MapView& view, const CasterTriangles& casters) {
-  const std::uint32_t layers = view.kind == FARSHADE_MAP_CUBE ? 6 : 1;
+std::optional<LightBuffer> make_light_buffer(const MapView& view, const CasterTriangles& casters,
+                                             std::size_t most_words, const std::stop_token& stop) {
+  const std::uint32_t layers = layers_of(view);
   std::vector<LightBuffer> made(layers);
-  tbb::parallel_for(std::uint32_t{0}, layers, [&](std::uint32_t layer) {
-    made[layer] = make_layer(view.kind == FARSHADE_MAP_CUBE ? face_view(view, layer) : view, casters);
+  Limit limit(most_words, stop);
+  for_layers(layers, [&](std::uint32_t layer) {
+    made[layer] = make_layer(view.kind == FARSHADE_MAP_CUBE ? face_view(view, layer) : view, casters, limit);
   });
+  if (limit.is_over()) return std::nullopt;
   LightBuffer result(layers * kTexels);
   for (std::uint32_t layer = 0; layer < layers; ++layer) {
     LightBuffer& of_layer = made[layer];
@@ -258,6 +345,12 @@ LightBuffer make_light_buffer(const MapView& view, const CasterTriangles& caster
     result.insert(result.end(), lists, of_layer.end());
   }
   return result;
+}
+
+bool is_light_buffer(std::span<const std::uint32_t> buffer, const MapView& view,
+                     const CasterTriangles& casters) {
+  Checker checker(buffer, casters.corners.size());
+  return checker.checks_texels(0, layers_of(view) * kTexels, 0) && checker.used_all();
 }
 
 }  // namespace farshade

@@ -7,6 +7,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
 #include <vector>
 
 #include "shaders/edge_rays_data.h"
@@ -21,7 +24,16 @@ namespace farshade {
 using LightBuffer = std::vector<std::uint32_t>;
 
 /// `view` is the projection of a light that shines, with FARSHADE_LIGHT_BUFFER_SIDE texels a side. Uses all
-/// cores.
-[[nodiscard]] LightBuffer make_light_buffer(const MapView& view, const CasterTriangles& casters);
+/// cores, on threads with the priority of the calling one. Gives up, with nothing, once the buffer or the
+/// lists that a layer is made from have more than `most_words`, or `stop` is requested.
+[[nodiscard]] std::optional<LightBuffer> make_light_buffer(const MapView& view,
+                                                           const CasterTriangles& casters,
+                                                           std::size_t most_words,
+                                                           const std::stop_token& stop = {});
+
+/// Whether a shader can read `buffer` as that of such a light: every index is checked, and no word belongs
+/// to two texels or lists.
+[[nodiscard]] bool is_light_buffer(std::span<const std::uint32_t> buffer, const MapView& view,
+                                   const CasterTriangles& casters);
 
 }  // namespace farshade

@@ -242,16 +242,19 @@ void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks,
 
 namespace {
 
-/// Rays can be traced to `lights`, unless they have moved since the newest mask was traced.
-void write_ray_lights(const LightBits& lights, MaskLayout mask, gpu::FrameData& frame) {
-  bool all = true;
+/// Rays can be traced to `lights`, unless they have moved since the newest mask was traced. Returns whether
+/// any are left.
+bool write_ray_lights(const LightBits& lights, MaskLayout mask, gpu::FrameData& frame) {
+  bool any = false, all = true;
   for (std::uint32_t plane = 0; plane < mask.planes(); ++plane) {
     const int vector = static_cast<int>(plane / 4), word = static_cast<int>(plane % 4);
     const std::uint32_t stale = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + vector][word];
     frame.ray_lights[vector][word] = lights[plane] & ~stale;
+    any = any || frame.ray_lights[vector][word] != 0;
     all = all && frame.ray_lights[vector][word] == mask.used_bits(plane);
   }
   frame.counts.y = all;
+  return any;
 }
 
 }  // namespace
@@ -285,7 +288,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
     frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
   maps_ = nullptr;
-  write_ray_lights(rays, plan_.mask, frame);
+  traces_rays_ = reprojection_.edges == Edges::Exact && write_ray_lights(rays, plan_.mask, frame);
   write_frame(views, lights, frame);
 }
 
@@ -323,7 +326,10 @@ std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojecti
     if (moved ? changes == Changes::Never : motion_count_ > 0) continue;
     whole_ = whole;
     moved_ = moved;
-    for (const std::uint32_t pass : passes) keys.insert(key_of(pass, report));
+    for (const bool traces : {false, edge_rays_ != nullptr && reprojection.edges == Edges::Exact}) {
+      traces_rays_ = traces;
+      for (const std::uint32_t pass : passes) keys.insert(key_of(pass, report));
+    }
   }
   std::set<ShadingKey> rays;
   for (auto key = keys.begin(); key != keys.end();)
@@ -362,7 +368,7 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
   return {.pass = pass,
           .reports = report == PixelReport::On && pass != FARSHADE_PASS_RAYS,
           .visibility = writes_visibilities() && pass != FARSHADE_PASS_RAYS,
-          .edge_rays = pass == FARSHADE_PASS_EASY && traces_rays(),
+          .edge_rays = pass == FARSHADE_PASS_EASY && traces_rays_,
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || reprojection_.gaps == Gaps::Neighbours,
           .filters_edges = direct || reprojection_.edges != Edges::Nearest,
@@ -436,7 +442,7 @@ void ShadingPass::shade_sorted(const vk::raii::CommandBuffer& commands, PixelRep
   empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
   copy_arguments(commands);
-  if (traces_rays()) {
+  if (traces_rays_) {
     record_edge_rays(commands);
     bind_sets(commands, report);
     shade_listed(commands, FARSHADE_PASS_FLIPPED, report);
@@ -461,7 +467,7 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport re
   if (report == PixelReport::On) make_report_buffer();
   gpu::record_uploads(commands, {&frame_buffer_, &light_buffer_, &motion_slots_, &motion_buffer_,
                                  &device_masks_.words(), &device_masks_.known_blocks()});
-  if (traces_rays()) edge_rays_->record_uploads(commands);
+  if (edge_rays_ != nullptr) edge_rays_->record_uploads(commands);
   bind_sets(commands, report);
   if (!writes_visibilities()) gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (reprojection_.lookup == Lookup::Direct || masks_ + faces_ == 0) {

@@ -112,9 +112,6 @@ class ShadingPass {
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
   void copy_arguments(const vk::raii::CommandBuffer& commands) const;
-  [[nodiscard]] bool traces_rays() const {
-    return edge_rays_ != nullptr && reprojection_.edges == Edges::Exact;
-  }
   void bind_ray_sets(const vk::raii::CommandBuffer& commands) const;
   void record_edge_rays(const vk::raii::CommandBuffer& commands);
   void shade_sorted(const vk::raii::CommandBuffer& commands, PixelReport report);
@@ -151,6 +148,7 @@ class ShadingPass {
   std::size_t masks_ = 0, faces_ = 0;
   std::bitset<kMaxLights> off_;  ///< lights that are off
   bool whole_ = false;           ///< every block of every mask is known
+  bool traces_rays_ = false;     ///< edges are exact, and rays can be traced to some light
   bool moved_ = false;           ///< something may have moved since a mask in use was traced
 };
 

@@ -100,7 +100,8 @@ using GroupCounts = std::array<std::uint32_t, 2>;
 
 /// The edges that fit into an eye's list.
 [[nodiscard]] constexpr std::size_t edge_capacity(Extent size) {
-  return (size.pixels() + FARSHADE_PIXELS_PER_EDGE - 1) / FARSHADE_PIXELS_PER_EDGE;
+  const std::size_t share = (size.pixels() + FARSHADE_PIXELS_PER_EDGE - 1) / FARSHADE_PIXELS_PER_EDGE;
+  return std::max(share, std::min<std::size_t>(size.pixels(), FARSHADE_FEWEST_EDGES));
 }
 
 /// For shown eyes of `size` and masks of at most `traced_size` pixels.

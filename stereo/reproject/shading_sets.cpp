@@ -77,7 +77,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   maps_ = &maps;
   masks_ = faces_ = 0;
   reprojection_ = {.lookup = Lookup::Direct};
-  other_eye_ = moved_ = false;
+  other_eye_ = moved_ = traces_rays_ = false;
   whole_ = true;
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);

@@ -186,6 +186,39 @@ TEST_F(EdgeRaysIn, ASmallDeviceFallBackToTheLine) {
   EXPECT_FALSE(same_visibility(shown_with(1'000'000, kExact), line));
 }
 
+TEST_F(EdgeRaysIn, DataThatComeLaterFollowTheLine) {
+  std::promise<EdgeRayData> data;
+  const Scene scene = bundled("box_over_plane.gltf");
+  TestRig rig = TestRig::with_edge_rays(device_, scene, kSide_px, data.get_future().share()),
+          line = TestRig::with_edge_rays(device_, scene, kSide_px, FutureEdgeRayData()),
+          at_once = TestRig::with_edge_rays(device_, scene, kSide_px);
+  const auto head_at = [&](double times) { return moved(rig.head(), 0.004 * times, {0.013 * times, 0, 0}); };
+  const auto show = [&](TestRig& its, double times, const Reprojection& reprojection) {
+    return its.show(its.eyes(head_at(times)), traced(masks_of(its, head_at)), reprojection);
+  };
+  for (const double times : {0.0, 1.0})  // at 1 the view is that of the newest mask
+    EXPECT_EQ(show(rig, times, kExact).pictures, show(line, times, kLine).pictures) << times;
+  data.set_value(edge_ray_data(device_, scene));
+  for (const double times : {0.0, 1.0})
+    EXPECT_EQ(show(rig, times, kExact).pictures, show(at_once, times, kExact).pictures) << times;
+  EXPECT_NE(show(rig, 0, kExact).pictures, show(line, 0, kLine).pictures);
+}
+
+/// The device was opened again, and is another one.
+TEST_F(EdgeRaysIn, ADeviceThatIsTooSmallForTheDataFallBackToTheLine) {
+  std::promise<EdgeRayData> data;
+  const Scene scene = bundled("box_over_plane.gltf");
+  TestRig rig = TestRig::with_edge_rays(device_, scene, kSide_px, data.get_future().share());
+  const auto head_at = [&](double times) { return moved(rig.head(), 0.004 * times, {0.013 * times, 0, 0}); };
+  const StereoView now = rig.eyes(head_at(0));
+  const std::vector<Mask> masks = masks_of(rig, head_at);
+  const Shown line = rig.show(now, traced(masks), kLine);
+  data.set_value(edge_ray_data(device_, scene));
+  device_.max_texels = 3'000;
+  EXPECT_TRUE(same_visibility(rig.show(now, traced(masks), kExact), line));
+  EXPECT_TRUE(same_visibility(rig.show(now, traced(masks), kExact), line));
+}
+
 /// Point lights in a ring above the box.
 Scene box_under_lights(std::uint32_t count) {
   Scene scene = bundled("box_over_plane.gltf");

@@ -202,7 +202,7 @@ void for_covered(const Shown& shown, const Visit& visit) {
 }
 
 TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
-                 const std::function<DrawPlan(const Scene&)>& plan_of)
+                 const std::function<DrawPlan(const Scene&)>& plan_of, FutureEdgeRayData edge_rays)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
@@ -210,8 +210,8 @@ TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(make_renderer(
           device, scene_, plan_of(scene_),
-          RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
-}
+          RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames},
+          {}, std::move(edge_rays))) {}
 
 TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
                  float detail_px, std::optional<ShadingPasses> passes)
@@ -219,13 +219,26 @@ TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
         return plan_of(its, detail_px, passes.value_or(tested_passes(device)));
       }) {}
 
+EdgeRayData edge_ray_data(const gpu::Device& device, const Scene& scene) {
+  return make_edge_ray_data(
+      edge_ray_input(scene, plan_of(scene, 0, ShadingPasses::Sorted), device.max_texels));
+}
+
+TestRig TestRig::with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px) {
+  std::promise<EdgeRayData> data;
+  data.set_value(edge_ray_data(device, scene));
+  return with_edge_rays(device, std::move(scene), side_px, data.get_future().share());
+}
+
 TestRig TestRig::with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px,
-                                std::uint32_t depth_frames) {
-  return {device, std::move(scene), side_px, depth_frames, [](const Scene& its) {
-            DrawPlan plan = plan_of(its, 0, ShadingPasses::Sorted);
-            plan.edge_rays = true;
-            return plan;
-          }};
+                                FutureEdgeRayData data) {
+  constexpr std::uint32_t kDepthFrames = 8;
+  const auto plan_of_rays = [](const Scene& its) {
+    DrawPlan plan = plan_of(its, 0, ShadingPasses::Sorted);
+    plan.edge_rays = true;
+    return plan;
+  };
+  return {device, std::move(scene), side_px, kDepthFrames, plan_of_rays, std::move(data)};
 }
 
 Mask TestRig::trace(FrameId frame, const StereoView& views) {

@@ -106,6 +106,9 @@ void for_pixels(Extent size, const std::function<void(std::uint32_t x, std::uint
 using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
 void for_covered(const Shown& shown, const Visit& visit);
 
+/// What edge rays need in a rig with this scene.
+[[nodiscard]] EdgeRayData edge_ray_data(const gpu::Device& device, const Scene& scene);
+
 class TestRig {
  public:
   /// Shown eyes have `side_px` x `side_px` pixels. Traced views may be a quarter larger. The renderer allows
@@ -115,8 +118,10 @@ class TestRig {
           float detail_px = 0, std::optional<ShadingPasses> passes = {});
 
   /// A rig whose pictures can have Edges::Exact; in full detail, with sorted passes.
+  [[nodiscard]] static TestRig with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px);
+  /// The same with data that the test gives.
   [[nodiscard]] static TestRig with_edge_rays(const gpu::Device& device, Scene scene, std::uint32_t side_px,
-                                              std::uint32_t depth_frames = 8);
+                                              FutureEdgeRayData data);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Renderer& renderer() { return *renderer_; }
@@ -156,7 +161,7 @@ class TestRig {
 
  private:
   TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames,
-          const std::function<DrawPlan(const Scene&)>& plan_of);
+          const std::function<DrawPlan(const Scene&)>& plan_of, FutureEdgeRayData edge_rays = {});
   [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                        const Reprojection& reprojection) const;
 

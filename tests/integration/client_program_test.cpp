@@ -308,6 +308,33 @@ TEST(ServerOfAClient, CountsEveryPixelLightAsARayOrByTheReasonForNone) {
 }
 
 /// With --plan=everything for both programs, masks and pictures are the same.
+TEST(ClientProgram, MakesLightBuffersForExactEdgesAndKeepsThem) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const auto run = [&](const std::string& name, const std::string& edges) {
+    std::vector<std::string> arguments{"env", "XDG_CACHE_HOME=" + (folder.path() / "cache").string()};
+    std::ranges::copy(client_arguments({{"--server", server.address()},
+                                        {"--edges", edges},
+                                        {"--size", "160x160"},
+                                        {"--out", (folder.path() / name).string()}}),
+                      std::back_inserter(arguments));
+    ChildProgram client(arguments);
+    const std::string errors = client.errors();
+    EXPECT_EQ(client.wait(), 0) << errors;
+    return errors;
+  };
+  const auto error = [&](const std::string& name) {
+    return summary_row(folder.path() / name, "left eye", "mask error")[0];
+  };
+  const std::string made = run("made", "exact"), kept = run("kept", "exact"), none = run("line", "line");
+  const std::string light_buffers = "MB of light buffers and triangles, for 2 of 3 lights, ";
+  EXPECT_NE(made.find(light_buffers + "made in "), std::string::npos) << made;
+  EXPECT_NE(kept.find(light_buffers + "read from the cache in "), std::string::npos) << kept;
+  EXPECT_EQ(none.find("edge rays"), std::string::npos) << none;
+  EXPECT_EQ(error("made"), error("kept"));
+  EXPECT_LT(error("made"), error("line"));
+}
+
 TEST(ClientProgram, ShowsTheSameWithEveryPlan) {
   const ScratchFolder folder;
   std::vector<double> error;

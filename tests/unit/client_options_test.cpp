@@ -265,6 +265,8 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--mask-every", "1.5"}, "--mask-every"},
       {{"--reprojection", "maybe"}, "--reprojection"},
       {{"--edges", "soft"}, "--edges"},
+      {{"--edges", "exact", "--record", "capture"}, "--edges"},
+      {{"--edges", "exact", "--passes", "single"}, "--edges"},
       {{"--dump", "one"}, "--dump"},
       {{"--no-such-option"}, "--no-such-option"}};
   for (const auto& [arguments, named] : wrong) {

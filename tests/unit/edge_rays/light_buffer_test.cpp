@@ -53,6 +53,12 @@ std::uint32_t layer_of(const MapView& view, const glm::vec3& from_light) {
   return static_cast<std::uint32_t>(2 * axis + (from_light[axis] < 0 ? 1 : 0));
 }
 
+constexpr std::size_t kManyWords = 1 << 24;
+
+LightBuffer made(const MapView& view, const CasterTriangles& casters) {
+  return make_light_buffer(view, casters, kManyWords).value();
+}
+
 /// texel_of of edge_rays.comp.
 std::uint32_t texel_of(const MapView& view, const glm::vec3& from_light, glm::vec2& inside) {
   const std::uint32_t layer = layer_of(view, from_light);
@@ -177,7 +183,7 @@ glm::dvec3 at_border(const MapView& view, const glm::dvec3& from_light) {
 /// something hides.
 int check_points(const MapView& view, const CasterTriangles& casters, double scale, int points,
                  Random& random) {
-  const LightBuffer buffer = make_light_buffer(view, casters);
+  const LightBuffer buffer = made(view, casters);
   int hidden = 0;
   for (int i = 0; i < points && !testing::Test::HasFailure(); ++i) {
     const std::size_t t = random.below(casters.corners.size());
@@ -265,7 +271,7 @@ TEST(LightBuffer, ListsTheNearestFirstAndEndsAtWhatCoversTheTexel) {
       .origin = {},
       .corners = {ahead(3, 0.01f), ahead(1, 0.01f), ahead(5, 0.01f), ahead(4, 2), ahead(2, 0.01f)},
       .has_holes = std::vector<bool>(5)};
-  const LightBuffer buffer = make_light_buffer(kCube, casters);
+  const LightBuffer buffer = made(kCube, casters);
   EXPECT_EQ(list_at(kCube, buffer, kAhead), (std::vector<std::uint32_t>{1, 4, 0, 3}));
   EXPECT_TRUE(list_at(kCube, buffer, -kAhead).empty());
 }
@@ -273,7 +279,7 @@ TEST(LightBuffer, ListsTheNearestFirstAndEndsAtWhatCoversTheTexel) {
 TEST(LightBuffer, DoesNotEndAtATriangleWithHoles) {
   const CasterTriangles casters{
       .origin = {}, .corners = {ahead(1, 1), ahead(2, 1)}, .has_holes = {true, false}};
-  EXPECT_EQ(list_at(kCube, make_light_buffer(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(list_at(kCube, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
 }
 
 TEST(LightBuffer, HoldsATiltedTriangleThatCoversATexelBehindItsNearestPoint) {
@@ -281,7 +287,7 @@ TEST(LightBuffer, HoldsATiltedTriangleThatCoversATexelBehindItsNearestPoint) {
   tilted[2] *= 0.25f;
   const CasterTriangles casters{
       .origin = {}, .corners = {tilted, ahead(2, 0.5f)}, .has_holes = {false, false}};
-  EXPECT_EQ(list_at(kCube, make_light_buffer(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(list_at(kCube, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
 }
 
 TEST(LightBuffer, OfASunHoldsWhatLiesJustBeforeATriangleThatCoversATexel) {
@@ -291,8 +297,7 @@ TEST(LightBuffer, OfASunHoldsWhatLiesJustBeforeATriangleThatCoversATexel) {
                                 .corners = {ahead(0, 9000), ahead(-0.005f, 9000), ahead(1e4f, 9000)},
                                 .has_holes = {false, false, false}};
   const MapView view = view_of(sun, casters);
-  const std::vector<std::uint32_t> list =
-      list_at(view, make_light_buffer(view, casters), glm::vec3(-view.origin.v));
+  const std::vector<std::uint32_t> list = list_at(view, made(view, casters), glm::vec3(-view.origin.v));
   EXPECT_EQ(list, (std::vector<std::uint32_t>{1, 0}));
 }
 
@@ -301,7 +306,7 @@ TEST(LightBuffer, PutsNothingBehindATriangleInWhosePlaneTheLightLies) {
   const CasterTriangles casters{.origin = {},
                                 .corners = {{{u * 4.0f, v * 4.0f, u * -4.0f - v * 4.0f}}, ahead(5, 9)},
                                 .has_holes = {false, false}};
-  const LightBuffer buffer = make_light_buffer(kCube, casters);
+  const LightBuffer buffer = made(kCube, casters);
   for (float x = -5; x < 5; x += 0.1f)
     for (float y = -5; y < 4; y += 0.1f) {
       const bool hidden = is_between(corners_of(casters, 1, {}), {x, y, -9}, kCube);
@@ -331,18 +336,30 @@ TEST(LightBuffer, IsMadeOfTexelsPartsAndListsAndIsTheSameEachTime) {
   const CasterTriangles casters = soup(200, 5, {}, random);
   for (const LightKind kind : {LightKind::Point, LightKind::Spot, LightKind::Directional}) {
     const MapView view = view_of(light_of(kind, {}), casters);
-    const LightBuffer buffer = make_light_buffer(view, casters);
+    const LightBuffer buffer = made(view, casters);
     const std::size_t texels = kTexels * (kind == LightKind::Point ? 6u : 1u);
     std::size_t words = texels;
     for (std::size_t texel = 0; texel < texels; ++texel)
       expect_valid(buffer, texel, 0, casters.corners.size(), words);
     EXPECT_EQ(words, buffer.size());
-    EXPECT_EQ(make_light_buffer(view, casters), buffer);
+    EXPECT_EQ(made(view, casters), buffer);
+  }
+}
+
+TEST(LightBuffer, HasNoMoreWordsThanItMay) {
+  Random random(3);
+  const CasterTriangles casters = soup(200, 5, {}, random);
+  for (const LightKind kind : {LightKind::Point, LightKind::Spot, LightKind::Directional}) {
+    const MapView view = view_of(light_of(kind, {}), casters);
+    const LightBuffer buffer = made(view, casters);
+    EXPECT_EQ(make_light_buffer(view, casters, buffer.size()), buffer);
+    EXPECT_FALSE(make_light_buffer(view, casters, buffer.size() - 1));
+    EXPECT_FALSE(make_light_buffer(view, casters, 0));
   }
 }
 
 TEST(LightBuffer, OfNothingIsEmptyLists) {
-  EXPECT_EQ(make_light_buffer(kCube, {}), LightBuffer(6 * std::size_t{kTexels}));
+  EXPECT_EQ(made(kCube, {}), LightBuffer(6 * std::size_t{kTexels}));
 }
 
 }  // namespace
