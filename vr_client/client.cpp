@@ -201,7 +201,8 @@ void open_renderer(const Options& options, Client& client, const RendererLimits&
 }
 
 bool has_edge_rays(const Options& options, const DrawPlan& plan) {
-  return options.reprojection.edges == Edges::Exact && reprojects_masks(plan);
+  const bool looks_up = options.preview || options.reprojection.lookup == Lookup::Reproject;
+  return options.reprojection.edges == Edges::Exact && looks_up && reprojects_masks(plan);
 }
 
 Expected<void> reopen_device(const Options& options, Client& client) {

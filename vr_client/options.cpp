@@ -52,6 +52,7 @@ struct CommandLine {
   DeviceFactsOptions facts;
   ClientPairOptions pair;
   std::string size = "512x512";
+  std::optional<Edges> edges;  ///< empty: exact where it fits
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
   bool validate = false;
   std::optional<std::string> explained;  ///< the figure that --explain names, or empty text: all
@@ -196,20 +197,22 @@ void add_request_options(CLI::App& app, CommandLine& line) {
       ->default_str("");
 }
 
-void add_reprojection_options(CLI::App& app, Reprojection& reprojection) {
+void add_reprojection_options(CLI::App& app, CommandLine& line) {
+  Reprojection& reprojection = line.options.reprojection;
   add_words<Lookup>(app, "--reprojection", reprojection.lookup,
                     {{"on", Lookup::Reproject}, {"off", Lookup::Direct}},
                     "off: show old masks without reprojection, as a baseline to compare with");
-  add_words<Edges>(app, "--edges", reprojection.edges,
-                   {{"exact", Edges::Exact},
-                    {"line", Edges::Line},
-                    {"nearest", Edges::Nearest},
-                    {"coverage", Edges::Coverage}},
-                   "the visibility at shadow edges: exact traces a ray of the client's own to each light "
-                   "that rests; line guesses "
-                   "from masks on which side of the edge the pixel's centre lies; coverage is the lit part "
-                   "of the pixel, for smooth "
-                   "edges; nearest is the bit of one mask pixel");
+  add_words<std::optional<Edges>>(
+      app, "--edges", line.edges,
+      {{"exact", Edges::Exact},
+       {"line", Edges::Line},
+       {"nearest", Edges::Nearest},
+       {"coverage", Edges::Coverage}},
+      "the visibility at shadow edges: exact traces a ray of the client's own to each light "
+      "that rests; line guesses "
+      "from masks on which side of the edge the pixel's centre lies; coverage is the lit part "
+      "of the pixel, for smooth "
+      "edges; nearest is the bit of one mask pixel (default: exact; line with --record or --passes single)");
 }
 
 void add_output_options(CLI::App& app, Options& options) {
@@ -365,12 +368,15 @@ void check_mask_code(const CLI::App& app, Options& options) {
 }
 
 /// Throws a CLI::ParseError if an option does not go with --edges exact.
-void check_edges(const Options& options) {
-  if (options.reprojection.edges != Edges::Exact) return;
-  if (options.passes == ShadingPasses::Single)
+Edges chosen_edges(const CommandLine& line) {
+  const Options& options = line.options;
+  const bool is_single = options.passes == ShadingPasses::Single, captures = !options.record.empty();
+  if (line.edges == Edges::Exact && is_single)
     throw CLI::ValidationError("--edges", "exact takes sorted passes: omit --passes single");
-  if (!options.record.empty())
+  if (line.edges == Edges::Exact && captures)
     throw CLI::ValidationError("--edges", "exact cannot be captured: omit --record, or choose line");
+  const bool fits = !is_single && !captures && options.replay.empty();
+  return line.edges.value_or(fits ? Edges::Exact : Edges::Line);
 }
 
 /// Throws a CLI::ParseError if one of these options is given.
@@ -404,7 +410,7 @@ Options checked(CommandLine line, const CLI::App& app) {
   options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(line.video_megabits * 1e6));
   if (line.validate) options.device.validation = gpu::Validation::On;
   check_mask_code(app, options);
-  check_edges(options);
+  options.reprojection.edges = chosen_edges(line);
   const std::string mode(name_of(options.mode.mode));
   if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
     throw CLI::ValidationError("--dump",
@@ -458,7 +464,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_link_options(app, line.options);
   add_mode_options(app, line);
   add_request_options(app, line);
-  add_reprojection_options(app, line.options.reprojection);
+  add_reprojection_options(app, line);
   add_output_options(app, line.options);
   add_headset_options(app, line.options);
   add_other_options(app, line);

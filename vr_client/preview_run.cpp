@@ -201,6 +201,7 @@ class Preview {
   void end_capture() {
     if (!recordings_.writes_capture()) return;
     recordings_.end_capture();
+    follow_capture();
     if (client_.link) client_.link->tell({});  // requests may be for parts again
   }
 
@@ -211,7 +212,14 @@ class Preview {
       if (auto connected = connect(options_, client_, std::move(listener)); !connected) return connected;
     settle_exposure(options_, client_);
     recordings_.begin_capture({}, header_of(options_, client_));
+    follow_capture();
     return {};
+  }
+
+  /// A capture does not hold edge rays.
+  void follow_capture() {
+    const bool is_captured = recordings_.writes_capture() && options_.reprojection.edges == Edges::Exact;
+    controls_.settings.reprojection.edges = is_captured ? Edges::Line : options_.reprojection.edges;
   }
 
   /// Applies the input since the last frame. Returns nothing to end or restart the run.

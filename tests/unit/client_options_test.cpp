@@ -133,9 +133,17 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
 
-TEST(ReadOptions, EdgesCanBeCoverage) {
-  EXPECT_EQ(read_more({"--edges", "coverage"}).options.value().reprojection.edges, Edges::Coverage);
-  EXPECT_EQ(read_more({}).options.value().reprojection.edges, Edges::Line);
+TEST(ReadOptions, EdgesAreExactWhereThatFits) {
+  const auto edges_with = [](const std::vector<std::string>& arguments) {
+    return read_more(arguments).options.value().reprojection.edges;
+  };
+  EXPECT_EQ(edges_with({}), Edges::Exact);
+  EXPECT_EQ(edges_with({"--passes", "sorted"}), Edges::Exact);
+  EXPECT_EQ(edges_with({"--edges", "exact"}), Edges::Exact);
+  EXPECT_EQ(edges_with({"--record", "capture"}), Edges::Line);
+  EXPECT_EQ(edges_with({"--passes", "single"}), Edges::Line);
+  EXPECT_EQ(edges_with({"--edges", "line"}), Edges::Line);
+  EXPECT_EQ(edges_with({"--edges", "coverage", "--record", "capture"}), Edges::Coverage);
 }
 
 TEST(ReadOptions, AHeadStandsWhereTheUserSays) {
@@ -177,7 +185,7 @@ TEST(ReadOptions, HasTheDefaultsOfTheHeader) {
   EXPECT_EQ(read.options->request.predictor, kDefaultPredictor);
   EXPECT_EQ(read.options->request.guard_band, GuardBandUse::Measured);
   EXPECT_EQ(read.options->request.every, 0u);
-  EXPECT_EQ(read.options->reprojection, Reprojection{});
+  EXPECT_EQ(read.options->reprojection, Reprojection{.edges = Edges::Exact});
 }
 
 TEST(ReadOptions, AcceptsEveryPredictor) {
@@ -200,8 +208,9 @@ TEST(ReadOptions, ExitsWith0AfterHelp) {
 TEST(ReadOptions, HelpNamesWordsRangesAndDefaultsOnly) {
   const std::string out = read({"--help"}).out;
   for (const char* said : {"hybrid|client-positions|server-gbuffer|remote|delta|local|full (default: hybrid)",
-                           "virtual|real (default: virtual)", "exact|line|nearest|coverage (default: line)",
-                           "needed|everything", "NUMBER (1 to 4294967295)", "NUMBER (0 to 500, default: 20)"})
+                           "virtual|real (default: virtual)", "exact|line|nearest|coverage",
+                           "(default: exact; line with --record or --passes single)", "needed|everything",
+                           "NUMBER (1 to 4294967295)", "NUMBER (0 to 500, default: 20)"})
     EXPECT_NE(out.find(said), std::string::npos) << said << "\n" << out;
   for (const char c : out) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << int{c};
   for (const char* unreadable : {":{", "->", "VALUE", "UINT"})
