@@ -67,6 +67,12 @@ uint texel_of(ShadowMapData map, vec3 from_light, out vec2 inside) {
   return (layer * FARSHADE_LIGHT_BUFFER_SIDE + uint(at.y)) * FARSHADE_LIGHT_BUFFER_SIDE + uint(at.x);
 }
 
+// The distance of a point from the light along the axis of its layer.
+float depth_of(ShadowMapData map, vec3 from_light) {
+  vec3 size = abs(from_light);
+  return map.place.x == FARSHADE_MAP_CUBE ? max(size.x, max(size.y, size.z)) : dot(from_light, map.ahead.xyz);
+}
+
 // The place of the list of triangles that a ray may meet; 0 if it is empty.
 uint list_at(ShadowMapData map, vec3 from_light) {
   vec2 inside;
@@ -179,7 +185,9 @@ Met trace(uint light, vec3 p, vec3 n, vec3 plane, float slack) {
   ray.along = ray.parallel ? map.ahead.xyz : from_light;
   vec3 reach = abs(ray.point);
   ray.slack = slack + kSlackOfScene * max(reach.x, max(reach.y, reach.z));
-  uint list = list_at(map, from_light);
+  uint list = list_at(map, from_light), numbers = (1u << map.place.z) - 1u;
+  // Triangles that begin beyond the point hide nothing from it, nor do the next ones of a list.
+  float step = uintBitsToFloat(map.place.w), beyond = step > 0.0 ? (depth_of(map, from_light) - map.ahead.w) / step + 1.0 : 1e30;
   Met met = Met(is_out_of_reach(light, ray.along, n, plane), false);
   bool more = list != 0u && !met.dark;
   int i = int(map.place.y + list);
@@ -189,11 +197,11 @@ Met trace(uint light, vec3 p, vec3 n, vec3 plane, float slack) {
     float alpha = 0.0;
     while (more && !hit) {
       uint word = texelFetch(light_buffers, i++).x;
-      corner = int(word & ~FARSHADE_LAST) * 3;
+      corner = int(word & numbers) * 3;
       vec4 first = texelFetch(triangles, corner);
       alpha = first.w;
       hit = is_between(first.xyz, texelFetch(triangles, corner + 1).xyz, texelFetch(triangles, corner + 2).xyz, ray);
-      more = (word & FARSHADE_LAST) == 0u;
+      more = (word & FARSHADE_LAST) == 0u && float(word >> map.place.z) <= beyond;
     }
     bool unknown = hit && alpha == FARSHADE_UNKNOWN_HOLES, solid = hit && alpha == 0.0;
     if (kHoles && hit && alpha > 0.0) solid = is_solid(corner, int(alpha), ray);

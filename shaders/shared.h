@@ -59,9 +59,10 @@ struct LightData {
 /// `ahead`. A cube uses the axes of the stage.
 struct ShadowMapData {
   vec4 right, up;  // unit, stage axes; w = texels per unit at distance 1, or per metre if parallel
-  vec4 ahead;      // unit, stage axes; w = depth per metre, parallel only
+  vec4 ahead;      // unit, stage axes; w = depth per metre, parallel only; of a light buffer: the depth of step 0, metres
   vec4 origin[2];  // relative to each eye, stage axes; parallel: the point with depth 0; w unused
-  uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer; z, w unused
+  uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer. Of a light buffer: y = its first word, z = bits of a
+                   // triangle's number, w = float bits: metres of a step of the depths of triangles
 };
 
 #define FARSHADE_MAX_MASKS 4            // of views

@@ -46,7 +46,9 @@ EdgeRayInput edge_ray_input(const Scene& scene, const DrawPlan& plan, std::uint6
   const SceneState state = state_at(scene, {});
   const std::vector<LightShadowMaps> projections = light_projections(scene, state.light_set.lights);
   for (std::size_t i = 0; i < projections.size(); ++i) {
-    input.lights.push_back({state.light_set.lights[i], projections[i]});
+    input.lights.push_back({.light = state.light_set.lights[i],
+                            .depths = list_depths(projections[i].view, input.casters),
+                            .projection = projections[i]});
     if (scene.nodes[scene.lights[i].node].moving) input.lights[i].projection.view.kind = FARSHADE_MAP_NONE;
   }
   return input;

@@ -18,16 +18,15 @@ struct EdgeRayData {
   /// A light of the scene where its buffer was made for it, also if it has none.
   struct Buffered {
     Light light;
+    ListDepths depths{};
     LightShadowMaps projection;  ///< with the buffer's first word; FARSHADE_MAP_NONE: it has no buffer
   };
-  Point<Stage> origin;                 ///< of the corners
+  Point<Stage> origin;  ///< of the corners
   CasterTexels texels;
   std::vector<std::uint32_t> words{};  ///< of all buffers
   std::vector<Buffered> lights{};      ///< those of the scene
 
-  [[nodiscard]] std::size_t bytes() const {
-    return texels.bytes() + words.size() * sizeof(std::uint32_t);
-  }
+  [[nodiscard]] std::size_t bytes() const { return texels.bytes() + words.size() * sizeof(std::uint32_t); }
   [[nodiscard]] std::size_t buffers() const;  ///< lights that have one
 };
 

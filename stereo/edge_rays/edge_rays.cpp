@@ -1,6 +1,7 @@
 #include "stereo/edge_rays/edge_rays.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 
 #include "stereo/gpu/upload.h"
@@ -88,7 +89,11 @@ LightBits EdgeRays::prepare(const StereoView& shown, const LightSet& lights) {
   LightBits usable{};
   for (std::size_t i = 0; i < data.lights.size(); ++i) {
     const EdgeRayData::Buffered& light = data.lights[i];
-    places_.write(i, shadow_map_data(shown, light.projection));
+    gpu::ShadowMapData place = shadow_map_data(shown, light.projection);
+    place.ahead.w = static_cast<float>(light.depths.first_m);
+    place.place.z = light.depths.number_bits;
+    place.place.w = std::bit_cast<std::uint32_t>(static_cast<float>(light.depths.step_m));
+    places_.write(i, place);
     if (light.projection.view.kind != FARSHADE_MAP_NONE && same_place(light.light, lights.lights[i]))
       usable[i / 32] |= 1u << i % 32;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <future>
 #include <limits>
@@ -29,6 +30,9 @@ constexpr double kMargin = 1.0 / 256;
 /// Shaders also round points, lights and corners. A texel's margin contains that error, as a share of the
 /// scene's size.
 constexpr double kRounding = 8 * 0x1p-24;
+
+/// A step of depths is larger than kRounding of the scene.
+constexpr int kMostDepthBits = 16;
 
 /// A light counts as in a triangle's plane if it is nearer to it than this share of the distance of its
 /// corners.
@@ -202,9 +206,16 @@ void fill(Square& square, const List& footprints, Limit& limit) {
     std::erase_if(square.lists[texel], [&](const Footprint* f) { return f->nearest > hidden[texel]; });
 }
 
+/// The word of a triangle in a list.
+std::uint32_t word_of(const Footprint& footprint, const ListDepths& depths) {
+  const double steps = depths.step_m > 0 ? (footprint.nearest - depths.first_m) / depths.step_m : 0;
+  return footprint.triangle | static_cast<std::uint32_t>(steps) << depths.number_bits;
+}
+
 /// Appends the parts and lists of the texels of `square`, whose words begin at `first`, until the limit is
 /// over.
-void write(const Square& square, std::size_t first, int divisions, Limit& limit, LightBuffer& into) {
+void write(const Square& square, std::size_t first, int divisions, const ListDepths& depths, Limit& limit,
+           LightBuffer& into) {
   for (std::size_t texel = 0; texel < square.lists.size() && !limit.is_over(); ++texel) {
     const List& list = square.lists[texel];
     if (list.empty()) continue;
@@ -221,12 +232,12 @@ void write(const Square& square, std::size_t first, int divisions, Limit& limit,
         into[first + texel] = FARSHADE_DIVIDED | here;
         into.resize(into.size() + parts.lists.size());
         limit.add(parts.lists.size());
-        write(parts, here, divisions + 1, limit, into);
+        write(parts, here, divisions + 1, depths, limit, into);
         continue;
       }
     }
     into[first + texel] = here;
-    for (const Footprint* footprint : list) into.push_back(footprint->triangle);
+    for (const Footprint* footprint : list) into.push_back(word_of(*footprint, depths));
     into.back() |= FARSHADE_LAST;
     limit.add(list.size());
   }
@@ -263,7 +274,7 @@ LightBuffer make_layer(const MapView& view, const CasterTriangles& casters, Limi
   fill(square, all, limit);
   LightBuffer result(square.lists.size());
   limit.add(result.size());
-  write(square, 0, 0, limit, result);
+  write(square, 0, 0, list_depths(view, casters), limit, result);
   return result;
 }
 
@@ -284,8 +295,8 @@ std::uint32_t layers_of(const MapView& view) {
 /// Checks the words of a buffer, and counts those that belong to a texel or a list.
 class Checker {
  public:
-  Checker(std::span<const std::uint32_t> buffer, std::size_t triangles)
-      : buffer_(buffer), triangles_(triangles) {}
+  Checker(std::span<const std::uint32_t> buffer, std::size_t triangles, const ListDepths& depths)
+      : buffer_(buffer), triangles_(triangles), numbers_((1u << depths.number_bits) - 1) {}
 
   bool checks_texels(std::size_t first, std::size_t count, int divisions) {
     if (first > buffer_.size() || count > buffer_.size() - first || !uses(count)) return false;
@@ -301,7 +312,7 @@ class Checker {
   bool uses(std::size_t count) { return (used_ += count) <= buffer_.size(); }
   bool checks_list(std::size_t at) {
     for (; at < buffer_.size() && uses(1); ++at) {
-      if ((buffer_[at] & ~FARSHADE_LAST) >= triangles_) return false;
+      if ((buffer_[at] & numbers_) >= triangles_) return false;
       if ((buffer_[at] & FARSHADE_LAST) != 0) return true;
     }
     return false;
@@ -309,6 +320,7 @@ class Checker {
 
   std::span<const std::uint32_t> buffer_;
   std::size_t triangles_, used_ = 0;
+  std::uint32_t numbers_;  ///< the bits of a triangle's number
 };
 
 /// Calls `make` for each layer, from as many threads as there are cores.
@@ -326,6 +338,18 @@ void for_layers(std::uint32_t layers, const Make& make) {
 }
 
 }  // namespace
+
+ListDepths list_depths(const MapView& view, const CasterTriangles& casters) {
+  double farthest = 0;
+  for (const std::array<glm::vec3, 3>& corners : casters.corners)
+    for (const glm::vec3& corner : corners) farthest = std::max(farthest, double{glm::length(corner)});
+  farthest += glm::length(casters.origin.v - view.origin.v);
+  const auto number_bits = std::min(std::bit_width(casters.corners.size()), std::size_t{31});
+  const int bits = std::min(31 - static_cast<int>(number_bits), kMostDepthBits);
+  const double steps = std::ldexp(1.0, bits) - 1;
+  const double first = view.kind == FARSHADE_MAP_PARALLEL ? -farthest : 0;
+  return {static_cast<std::uint32_t>(number_bits), first, steps > 0 ? (farthest - first) / steps : 0};
+}
 
 std::optional<LightBuffer> make_light_buffer(const MapView& view, const CasterTriangles& casters,
                                              std::size_t most_words, const std::stop_token& stop) {
@@ -349,7 +373,7 @@ std::optional<LightBuffer> make_light_buffer(const MapView& view, const CasterTr
 
 bool is_light_buffer(std::span<const std::uint32_t> buffer, const MapView& view,
                      const CasterTriangles& casters) {
-  Checker checker(buffer, casters.corners.size());
+  Checker checker(buffer, casters.corners.size(), list_depths(view, casters));
   return checker.checks_texels(0, layers_of(view) * kTexels, 0) && checker.used_all();
 }
 

@@ -19,9 +19,18 @@
 namespace farshade {
 
 /// First the texels, by layer, row and column. A texel is a word: 0 for an empty list; FARSHADE_DIVIDED plus
-/// the index of its first part; or the index of its list. A list is the numbers of triangles; the last one
-/// has FARSHADE_LAST added. Indices count from the first word of the buffer.
+/// the index of its first part; or the index of its list. A list is a word for each triangle: its number in
+/// the lowest bits; above them how far from the light it begins, in steps, so that a ray to a nearer point
+/// can stop there; and FARSHADE_LAST in the last one. Indices count from the first word of the buffer.
 using LightBuffer = std::vector<std::uint32_t>;
+
+/// How the words of a list say where triangles begin.
+struct ListDepths {
+  std::uint32_t number_bits = 0;  ///< of a triangle's number
+  double first_m = 0;             ///< the depth of step 0
+  double step_m = 0;              ///< along the axis of the layer; 0: numbers leave no bits for depths
+};
+[[nodiscard]] ListDepths list_depths(const MapView& view, const CasterTriangles& casters);
 
 /// `view` is the projection of a light that shines, with FARSHADE_LIGHT_BUFFER_SIDE texels a side. Uses all
 /// cores, on threads with the priority of the calling one. Gives up, with nothing, once the buffer or the

@@ -50,6 +50,11 @@ std::vector<DeviceMasks::Held> DeviceMasks::hold(Kind kind, std::span<const Trac
   return held;
 }
 
+void DeviceMasks::set_ray_lights(const LightBits& lights) {
+  if (lights != ray_lights_) shelves_[static_cast<std::size_t>(Kind::Views)].slots.clear();
+  ray_lights_ = lights;
+}
+
 glm::uvec4 DeviceMasks::place(const Held& held, std::size_t eye, std::size_t layer) const {
   const Shelf& from = shelf(held.kind);
   const std::size_t at = held.slot * kEyes + eye;

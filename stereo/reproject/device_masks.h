@@ -35,9 +35,9 @@ class DeviceMasks {
   /// SourceData::place of an eye's mask. `layer` has the depth of the left eye's view.
   [[nodiscard]] glm::uvec4 place(const Held& held, std::size_t eye, std::size_t layer) const;
 
-  /// The lights that edge rays can be traced to: in these, cells of masks that are copied from now on have
-  /// edges near thin shadows.
-  void set_ray_lights(const LightBits& lights) { ray_lights_ = lights; }
+  /// Cells of masks of views have edges near thin shadows of these lights, to which edge rays can be traced.
+  /// When they change, masks are copied again.
+  void set_ray_lights(const LightBits& lights);
 
   /// Forgets all masks, because frame ids begin anew.
   void forget();

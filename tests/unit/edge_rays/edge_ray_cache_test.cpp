@@ -110,7 +110,8 @@ TEST_F(EdgeRayCache, RefusesWordsThatAreNoLightBuffers) {
   EXPECT_TRUE(refused(lights + lists, 1u << 30)) << "a list out of range";
   EXPECT_TRUE(refused(lights + lists, FARSHADE_DIVIDED | 1u << 30)) << "parts out of range";
   EXPECT_TRUE(refused(lights + lists, FARSHADE_DIVIDED)) << "parts of themselves";
-  EXPECT_TRUE(refused(last, FARSHADE_LAST | 1u << 20)) << "a triangle out of range";
+  EXPECT_TRUE(refused(last, FARSHADE_LAST | ((1u << input_.lights[0].depths.number_bits) - 1)))
+      << "a triangle out of range";
   EXPECT_TRUE(refused(last, 0)) << "a list without an end";
   EXPECT_FALSE(refused(last, made_.words.back()));
 }

@@ -81,7 +81,7 @@ std::uint32_t texel_of(const MapView& view, const glm::vec3& from_light, glm::ve
          static_cast<std::uint32_t>(at.x);
 }
 
-/// The numbers of a list's triangles.
+/// The words of a list.
 std::vector<std::uint32_t> list_from(const LightBuffer& buffer, std::uint32_t word) {
   std::vector<std::uint32_t> list;
   for (std::size_t i = word; word != 0; ++i) {
@@ -91,9 +91,16 @@ std::vector<std::uint32_t> list_from(const LightBuffer& buffer, std::uint32_t wo
   return list;
 }
 
-/// list_at of edge_rays.comp.
-std::vector<std::uint32_t> list_at(const MapView& view, const LightBuffer& buffer,
-                                   const glm::vec3& from_light) {
+/// depth_of of edge_rays.comp.
+float depth_of(const MapView& view, const glm::vec3& from_light) {
+  const glm::vec3 size = glm::abs(from_light);
+  return view.kind == FARSHADE_MAP_CUBE ? std::max({size.x, size.y, size.z})
+                                        : glm::dot(from_light, glm::vec3(view.ahead));
+}
+
+/// The triangles that edge_rays.comp tests for a point.
+std::vector<std::uint32_t> list_at(const MapView& view, const CasterTriangles& casters,
+                                   const LightBuffer& buffer, const glm::vec3& from_light) {
   glm::vec2 inside;
   std::uint32_t word = buffer.at(texel_of(view, from_light, inside));
   for (int division = 0; division < FARSHADE_LIGHT_BUFFER_DIVISIONS; ++division) {
@@ -104,7 +111,15 @@ std::vector<std::uint32_t> list_at(const MapView& view, const LightBuffer& buffe
       word = buffer.at((word & ~FARSHADE_DIVIDED) + part.y * kParts + part.x);
   }
   EXPECT_EQ(word & FARSHADE_DIVIDED, 0u) << "too many divisions";
-  return list_from(buffer, word);
+  const ListDepths depths = list_depths(view, casters);
+  const auto first = static_cast<float>(depths.first_m), step = static_cast<float>(depths.step_m);
+  const float beyond = step > 0 ? (depth_of(view, from_light) - first) / step + 1 : 1e30f;
+  std::vector<std::uint32_t> tested;
+  for (const std::uint32_t triangle : list_from(buffer, word)) {
+    tested.push_back(triangle & ((1u << depths.number_bits) - 1));
+    if (static_cast<float>(triangle >> depths.number_bits) > beyond) break;
+  }
+  return tested;
 }
 
 /// Whether a triangle lies between the light and a point. Everything is relative to the light. A triangle
@@ -133,7 +148,8 @@ bool expect_found(const MapView& view, const CasterTriangles& casters, const Lig
                   const glm::dvec3& from_light, const glm::dvec3& eye) {
   const glm::vec3 seen(view.origin.v + from_light - eye);
   const glm::dvec3 point = eye + glm::dvec3(seen) - view.origin.v;
-  const std::vector<std::uint32_t> list = list_at(view, buffer, seen - glm::vec3(view.origin.v - eye));
+  const std::vector<std::uint32_t> list =
+      list_at(view, casters, buffer, seen - glm::vec3(view.origin.v - eye));
   const auto hides = [&](std::size_t t) {
     return is_between(corners_of(casters, t, view.origin), point, view);
   };
@@ -272,14 +288,34 @@ TEST(LightBuffer, ListsTheNearestFirstAndEndsAtWhatCoversTheTexel) {
       .corners = {ahead(3, 0.01f), ahead(1, 0.01f), ahead(5, 0.01f), ahead(4, 2), ahead(2, 0.01f)},
       .has_holes = std::vector<bool>(5)};
   const LightBuffer buffer = made(kCube, casters);
-  EXPECT_EQ(list_at(kCube, buffer, kAhead), (std::vector<std::uint32_t>{1, 4, 0, 3}));
-  EXPECT_TRUE(list_at(kCube, buffer, -kAhead).empty());
+  EXPECT_EQ(list_at(kCube, casters, buffer, kAhead), (std::vector<std::uint32_t>{1, 4, 0, 3}));
+  EXPECT_TRUE(list_at(kCube, casters, buffer, -kAhead).empty());
+}
+
+/// Four triangles, of which none covers the texel.
+TEST(LightBuffer, SaysWhichTrianglesBeginBeyondAPoint) {
+  const CasterTriangles casters{
+      .origin = {},
+      .corners = {ahead(3, 0.01f), ahead(1, 0.01f), ahead(5, 0.01f), ahead(4, 0.01f)},
+      .has_holes = std::vector<bool>(4)};
+  const LightBuffer buffer = made(kCube, casters);
+  const auto tested = [&](float depth) {
+    return list_at(kCube, casters, buffer, glm::vec3(0.0001f, -0.0001f, -1) * depth).size();
+  };
+  // A ray ends at the first one that begins beyond its point by more than a step.
+  EXPECT_EQ(tested(0.9f), 1u);
+  EXPECT_EQ(tested(1.1f), 2u);
+  EXPECT_EQ(tested(3.5f), 3u);
+  EXPECT_EQ(tested(6), 4u);
+
+  EXPECT_EQ(list_depths(kCube, casters).number_bits, 3u);
+  EXPECT_NEAR(list_depths(kCube, casters).step_m, 5.0 / 65535, 1e-6);
 }
 
 TEST(LightBuffer, DoesNotEndAtATriangleWithHoles) {
   const CasterTriangles casters{
       .origin = {}, .corners = {ahead(1, 1), ahead(2, 1)}, .has_holes = {true, false}};
-  EXPECT_EQ(list_at(kCube, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(list_at(kCube, casters, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
 }
 
 TEST(LightBuffer, HoldsATiltedTriangleThatCoversATexelBehindItsNearestPoint) {
@@ -287,7 +323,7 @@ TEST(LightBuffer, HoldsATiltedTriangleThatCoversATexelBehindItsNearestPoint) {
   tilted[2] *= 0.25f;
   const CasterTriangles casters{
       .origin = {}, .corners = {tilted, ahead(2, 0.5f)}, .has_holes = {false, false}};
-  EXPECT_EQ(list_at(kCube, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(list_at(kCube, casters, made(kCube, casters), kAhead), (std::vector<std::uint32_t>{0, 1}));
 }
 
 TEST(LightBuffer, OfASunHoldsWhatLiesJustBeforeATriangleThatCoversATexel) {
@@ -297,7 +333,8 @@ TEST(LightBuffer, OfASunHoldsWhatLiesJustBeforeATriangleThatCoversATexel) {
                                 .corners = {ahead(0, 9000), ahead(-0.005f, 9000), ahead(1e4f, 9000)},
                                 .has_holes = {false, false, false}};
   const MapView view = view_of(sun, casters);
-  const std::vector<std::uint32_t> list = list_at(view, made(view, casters), glm::vec3(-view.origin.v));
+  const std::vector<std::uint32_t> list =
+      list_at(view, casters, made(view, casters), glm::vec3(-view.origin.v));
   EXPECT_EQ(list, (std::vector<std::uint32_t>{1, 0}));
 }
 
@@ -310,23 +347,23 @@ TEST(LightBuffer, PutsNothingBehindATriangleInWhosePlaneTheLightLies) {
   for (float x = -5; x < 5; x += 0.1f)
     for (float y = -5; y < 4; y += 0.1f) {
       const bool hidden = is_between(corners_of(casters, 1, {}), {x, y, -9}, kCube);
-      EXPECT_EQ(list_at(kCube, buffer, {x, y, -9}).empty(), !hidden) << x << ' ' << y;
+      EXPECT_EQ(list_at(kCube, casters, buffer, {x, y, -9}).empty(), !hidden) << x << ' ' << y;
     }
 }
 
 /// Checks a texel and its parts, and counts the words that belong to them.
 void expect_valid(const LightBuffer& buffer, std::size_t texel, int divisions, std::size_t triangles,
-                  std::size_t& words) {
+                  std::uint32_t number_bits, std::size_t& words) {
   const std::uint32_t word = buffer.at(texel);
   if ((word & FARSHADE_DIVIDED) != 0) {
     ASSERT_LT(divisions, FARSHADE_LIGHT_BUFFER_DIVISIONS);
     for (std::size_t part = 0; part < kParts * kParts; ++part)
-      expect_valid(buffer, (word & ~FARSHADE_DIVIDED) + part, divisions + 1, triangles, words);
+      expect_valid(buffer, (word & ~FARSHADE_DIVIDED) + part, divisions + 1, triangles, number_bits, words);
     words += kParts * kParts;
     return;
   }
   const std::vector<std::uint32_t> list = list_from(buffer, word);
-  for (const std::uint32_t triangle : list) EXPECT_LT(triangle, triangles);
+  for (const std::uint32_t triangle : list) EXPECT_LT(triangle & ((1u << number_bits) - 1), triangles);
   EXPECT_EQ(std::set(list.begin(), list.end()).size(), list.size()) << "a triangle is listed twice";
   words += list.size();
 }
@@ -340,7 +377,7 @@ TEST(LightBuffer, IsMadeOfTexelsPartsAndListsAndIsTheSameEachTime) {
     const std::size_t texels = kTexels * (kind == LightKind::Point ? 6u : 1u);
     std::size_t words = texels;
     for (std::size_t texel = 0; texel < texels; ++texel)
-      expect_valid(buffer, texel, 0, casters.corners.size(), words);
+      expect_valid(buffer, texel, 0, casters.corners.size(), list_depths(view, casters).number_bits, words);
     EXPECT_EQ(words, buffer.size());
     EXPECT_EQ(made(view, casters), buffer);
   }
