@@ -73,7 +73,7 @@ TEST(Figures, OfAFrameAreItsWorseEyesAndLeaveStartUpOut) {
 TEST(Figures, LeaveOutWhatAPictureCannotTell) {
   Figures figures;
   constexpr double none = kNotMeasured;
-  const EyeErrors picture{none, none, 20, none, none, none, none, none, none, none, std::nullopt};
+  const EyeErrors picture{none, none, 20, none, none, none, none, none, none, none, none, std::nullopt};
   add_errors(two_frames({picture, picture}), 0, figures);
   const nlohmann::json told = figures.json();
   EXPECT_EQ(told["error"]["psnr"]["median"], 20.0);
