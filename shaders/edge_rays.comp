@@ -1,8 +1,8 @@
-// Edge rays: the client's own shadow rays. Where the four pixels of the newest mask around a point differ in a light, a ray
-// from the point to the light decides. The triangles that it can meet are in the light's list for its direction
-// (stereo/edge_rays/light_buffer.h). This pass works on the listed edges. It lists those where a bit of the mask is wrong, with
-// these bits, and lists those that it cannot decide as hard. Buffers of texels, because lavapipe reads a storage buffer
-// once for each lane.
+// Edge rays: the client's own shadow rays. Where the newest mask has an edge of a light (mask_edges.h), and where it does
+// not know the point, a ray from the point to the light decides. The triangles that it can meet are in the light's list
+// for its direction (stereo/edge_rays/light_buffer.h). This pass works on the listed edges. It lists those where a bit of
+// the mask is wrong or unknown, with the right bits, and lists those that it cannot decide as hard. Buffers of texels,
+// because lavapipe reads a storage buffer once for each lane.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

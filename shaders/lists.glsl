@@ -11,8 +11,8 @@ layout(std430, binding = LISTS_BINDING) buffer Lists {
   // shorter.
   uvec4 lists[2 * FARSHADE_LISTS];
   // For each eye a word for every pixel: hard pixels, and backwards from the end those on instances that can move. Then
-  // for each eye edge_capacity entries each: pixels at edges, and pixels whose bits flip, with kPlanes words of these bits.
-  // A pixel is x and y in 16 bits each.
+  // for each eye edge_capacity entries each: pixels at edges, and pixels whose bits rays have changed, with kPlanes
+  // words of bits. A pixel is x and y in 16 bits each.
   uint list_words[];
 };
 

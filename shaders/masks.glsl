@@ -1,8 +1,7 @@
 // Reads the masks on the device (stereo/reproject/device_masks.h).
 
-// The four pixels around a position, from left to right and from top to bottom.
+// The upper left one of the four pixels around a position.
 ivec2 corner_at(vec2 at) { return ivec2(floor(at - 0.5)); }
-ivec2 tap_at(ivec2 corner, uint tap) { return corner + ivec2(tap & 1, tap >> 1); }
 
 // Whether the block of `pixel`, which is in the picture, is known. A tile has 16 bits, one for each block.
 bool block_known(SourceData source, ivec2 pixel) {
@@ -33,7 +32,7 @@ uint cell_bits(SourceData source, vec2 at, uint plane) {
   return mask_bits(source, inside(source, corner_at(at)), FARSHADE_PLANES(kEdgeBit + 4) + plane);
 }
 
-// Whether the mask says that the four pixels around the position `at` differ in some light.
+// Whether some light has an edge in the cell that contains the position `at`.
 bool near_shadow_edge(SourceData source, ivec2 pixel, vec2 at) {
   bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
   uint quarter = uint(second.x) + 2 * uint(second.y);

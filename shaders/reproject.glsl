@@ -129,6 +129,8 @@ Sample first_sample(Surface surface) {
   return found;
 }
 
+// The four pixels around a position, from left to right and from top to bottom.
+ivec2 tap_at(ivec2 corner, uint tap) { return corner + ivec2(tap & 1, tap >> 1); }
 float of_tap(vec4 gathered, uint tap) {
   return tap == 0 ? gathered.w : tap == 1 ? gathered.z : tap == 2 ? gathered.x : gathered.y;
 }

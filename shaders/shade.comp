@@ -265,7 +265,8 @@ vec3 reflected(ivec2 pixel, float depth, uint record, bool wanted) {
   at.surface = surface_at(pixel, depth, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
-    bool moved = kMoved && has_moved(0, at.surface.slot), edge = kEdgeRays && (at.found.on_edge || (!at.found.known && frame.counts.y != 0u)) && !moved;
+    bool moved = kMoved && has_moved(0, at.surface.slot), unseen = !at.found.known && frame.counts.y != 0u;
+    bool edge = kEdgeRays && (at.found.on_edge || unseen) && !moved;
     if (wanted && (at.found.hard || moved)) list(pixel, edge, at.surface.slot != 0u);
   }
   mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);

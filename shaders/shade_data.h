@@ -13,8 +13,8 @@
 #define FARSHADE_PASS_HARD 2
 #define FARSHADE_PASS_MOVING 3
 #define FARSHADE_PASS_SINGLE 4
-// With edge rays, EASY lists edges apart from hard pixels. RAYS (edge_rays.comp) lists those where the mask's bit is wrong,
-// which FLIPPED shades, and those that it cannot decide, which are hard.
+// With edge rays, EASY lists edges apart from hard pixels. RAYS (edge_rays.comp) lists those where a bit of the mask is
+// wrong or unknown, which FLIPPED shades with the right bits, and those that it cannot decide, which are hard.
 #define FARSHADE_PASS_RAYS 5
 #define FARSHADE_PASS_FLIPPED 6
 
@@ -56,14 +56,14 @@
 #define FARSHADE_ROW_GROUPS 65535
 
 // The lists of an eye (lists.glsl): hard pixels, those on instances that can move, pixels at shadow edges, and pixels whose
-// bits flip.
+// bits rays have changed.
 #define FARSHADE_LIST_HARD 0
 #define FARSHADE_LIST_MOVING 1
 #define FARSHADE_LIST_EDGES 2
 #define FARSHADE_LIST_FLIPPED 3
 #define FARSHADE_LISTS 4
 #define FARSHADE_FEWEST_EDGES 65536  // that fit into an eye's list, or all pixels: small pictures have more edges
-#define FARSHADE_PIXELS_PER_EDGE 2  // at least: more edges are hard; 4 are too few for the bundled room at 256x256
+#define FARSHADE_PIXELS_PER_EDGE 2  // at least; if there are more edges, all are hard
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.

@@ -273,8 +273,8 @@ void add_other_options(CLI::App& app, CommandLine& line) {
       ->check(one_of({"", "needed", "everything"}));
   add_words<std::optional<ShadingPasses>>(
       app, "--passes", options.passes, {{"sorted", ShadingPasses::Sorted}, {"single", ShadingPasses::Single}},
-      "passes that shade with masks, to compare their times; pictures are the same (default: sorted if the "
-      "processor draws, single on a GPU)");
+      "passes that shade with masks, to compare their times; with --edges line pictures are the same "
+      "(default: sorted with --edges exact or if the processor draws, else single)");
   app.add_option_function<std::string>(
          "--explain", [&line](const std::string& figure) { line.explained = figure; },
          "print definition, unit and way of measuring of a figure such as \"mask error\", or a line for "
@@ -367,7 +367,8 @@ void check_mask_code(const CLI::App& app, Options& options) {
   options.request.asks = Asks::Whole;
 }
 
-/// Throws a CLI::ParseError if an option does not go with --edges exact.
+/// The edges of the options; by default exact where it fits. Throws a CLI::ParseError if exact is asked for
+/// where it does not fit.
 Edges chosen_edges(const CommandLine& line) {
   const Options& options = line.options;
   const bool is_single = options.passes == ShadingPasses::Single, captures = !options.record.empty();

@@ -271,6 +271,7 @@ class Preview {
     Inspection& inspection = shown_.inspection();
     recordings_.watch(view, recordings_.writes_capture() ? &inspection.shown() : nullptr,
                       recordings_.records_frames() ? &inspection.displayed() : nullptr);
+    follow_capture();  // it may have failed
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->receiver() : nullptr);
     shown_.add(view, options_.mode.mode);
     if (!std::exchange(started_, true)) {

@@ -76,7 +76,9 @@ void EdgeRays::take_if_ready() {
                                                data.texels.alphas.size()}) <= device_.max_texels;
   try {
     if (is_loaded_) load(data);
-  } catch (const vk::OutOfDeviceMemoryError&) {
+  } catch (const vk::DeviceLostError&) {
+    throw;
+  } catch (const std::exception&) {  // no memory, or beyond a limit of the device
     is_loaded_ = false;
   }
   if (!is_loaded_) data_ = {};

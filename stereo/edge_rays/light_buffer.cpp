@@ -344,8 +344,8 @@ ListDepths list_depths(const MapView& view, const CasterTriangles& casters) {
   for (const std::array<glm::vec3, 3>& corners : casters.corners)
     for (const glm::vec3& corner : corners) farthest = std::max(farthest, double{glm::length(corner)});
   farthest += glm::length(casters.origin.v - view.origin.v);
-  const auto number_bits = std::min(std::bit_width(casters.corners.size()), std::size_t{31});
-  const int bits = std::min(31 - static_cast<int>(number_bits), kMostDepthBits);
+  const int number_bits = std::min(static_cast<int>(std::bit_width(casters.corners.size())), 31);
+  const int bits = std::min(31 - number_bits, kMostDepthBits);
   const double steps = std::ldexp(1.0, bits) - 1;
   const double first = view.kind == FARSHADE_MAP_PARALLEL ? -farthest : 0;
   return {static_cast<std::uint32_t>(number_bits), first, steps > 0 ? (farthest - first) / steps : 0};

@@ -40,8 +40,8 @@ struct ListDepths {
                                                            std::size_t most_words,
                                                            const std::stop_token& stop = {});
 
-/// Whether a shader can read `buffer` as that of such a light: every index is checked, and no word belongs
-/// to two texels or lists.
+/// Whether a shader can read `buffer` as that of such a light: every index is in range, and every list
+/// ends.
 [[nodiscard]] bool is_light_buffer(std::span<const std::uint32_t> buffer, const MapView& view,
                                    const CasterTriangles& casters);
 

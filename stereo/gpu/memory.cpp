@@ -37,6 +37,8 @@ std::string cure(Use use) {
       return "a scene with fewer instances needs less";
     case Use::ShadowMaps:
       return "smaller shadow maps (--shadow-maps) need less";
+    case Use::EdgeRays:
+      return "--edges line needs none";
     case Use::Report:
       return "a run without comparison (--reference-every 0) needs none, fewer pixels an eye (--size) need "
              "less";

@@ -1,5 +1,6 @@
-/// DeviceMasks: the masks that the device holds, each with its edge bits (mask_edges.h) and its known blocks.
-/// The passes that read masks share them. A mask that stays in use is copied to the device once.
+/// DeviceMasks: the masks that the device holds, each with its edge bits, its cells (mask_edges.h) and its
+/// known blocks. The passes that read masks share them. A mask that stays in use is copied to the device
+/// once.
 #pragma once
 
 #include <array>

@@ -273,8 +273,8 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
   whole_ = true;
   LightBits rays{};
-  if (edge_rays_ != nullptr) rays = edge_rays_->prepare(views, lights);
-  device_masks_.set_ray_lights(rays);
+  if (edge_rays_ != nullptr && reprojection_.edges == Edges::Exact) rays = edge_rays_->prepare(views, lights);
+  if (reprojection_.lookup != Lookup::Direct) device_masks_.set_ray_lights(rays);
   write_sources(views, masks, frame);
   write_faces(views, in_use.cube_mask, frame);
   masks_ = masks.size();
@@ -288,7 +288,7 @@ void ShadingPass::prepare(const DepthPlace& shown, const StereoView& views, cons
     frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
   maps_ = nullptr;
-  traces_rays_ = reprojection_.edges == Edges::Exact && write_ray_lights(rays, plan_.mask, frame);
+  traces_rays_ = write_ray_lights(rays, plan_.mask, frame);
   write_frame(views, lights, frame);
 }
 
@@ -312,7 +312,11 @@ void ShadingPass::assume_nothing() {
 void ShadingPass::make_all_pipelines() {
   assume_nothing();
   other_eye_ = plan_.other_eye;
-  for (const std::uint32_t pass : passes_of(plan_, Changes::Possible)) need_pipeline(pass, PixelReport::Off);
+  for (const bool traces : {false, edge_rays_ != nullptr}) {
+    traces_rays_ = traces;
+    for (const std::uint32_t pass : passes_of(plan_, Changes::Possible))
+      need_pipeline(pass, PixelReport::Off);
+  }
 }
 
 std::vector<gpu::Recording> ShadingPass::warm_ups(const Reprojection& reprojection, PixelReport report,

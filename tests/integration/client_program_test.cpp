@@ -307,7 +307,6 @@ TEST(ServerOfAClient, CountsEveryPixelLightAsARayOrByTheReasonForNone) {
   }
 }
 
-/// With --plan=everything for both programs, masks and pictures are the same.
 TEST(ClientProgram, MakesLightBuffersForExactEdgesAndKeepsThem) {
   const ScratchFolder folder;
   const RunningServer server;
@@ -335,7 +334,8 @@ TEST(ClientProgram, MakesLightBuffersForExactEdgesAndKeepsThem) {
   EXPECT_LT(error("made"), error("line"));
 }
 
-/// With everything on, each instance may move, so that no ray can decide at an edge.
+/// With --plan=everything for both programs, masks and pictures are the same, but for edges: each instance
+/// may move, so that no ray can decide there.
 TEST(ClientProgram, ShowsTheSameWithEveryPlan) {
   const ScratchFolder folder;
   std::vector<double> error;

@@ -141,6 +141,8 @@ TEST(ReadOptions, EdgesAreExactWhereThatFits) {
   EXPECT_EQ(edges_with({"--passes", "sorted"}), Edges::Exact);
   EXPECT_EQ(edges_with({"--edges", "exact"}), Edges::Exact);
   EXPECT_EQ(edges_with({"--record", "capture"}), Edges::Line);
+  EXPECT_EQ(read({"--scene", "a.glb", "--replay", "capture"}).options.value().reprojection.edges,
+            Edges::Line);
   EXPECT_EQ(edges_with({"--passes", "single"}), Edges::Line);
   EXPECT_EQ(edges_with({"--edges", "line"}), Edges::Line);
   EXPECT_EQ(edges_with({"--edges", "coverage", "--record", "capture"}), Edges::Coverage);
