@@ -7,8 +7,9 @@
 // lists (ShadingPasses); its pictures are the same.
 // Variants: DIRECT reads the newest mask at the shown pixel, in one pass. With SHADOW_MAPS (and DIRECT) visibilities
 // come from shadow maps (shadow_lookup.glsl). EASY is the first pass, FLIPPED shades pixels whose bits edge_rays.comp has
-// corrected, SINGLE is the one that needs no other; without these, the shader is the second or third. FEW_LIGHTS: at most
-// FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded with. VISIBILITY writes visibilities instead of a picture. MOTION: some instances can move. Drivers remove what a
+// changed, SINGLE is the one that needs no other; without these, the shader is the second or third. FEW_LIGHTS: at most
+// FARSHADE_FEW_LIGHTS. REPORT writes what each pixel was shaded with. VISIBILITY writes visibilities instead of a picture.
+// MOTION: some instances can move. Drivers remove what a
 // constant leaves out only after they have inlined it: as a variant of the preprocessor, the first pass takes lavapipe
 // 0.05 s to compile instead of 0.33 s, the second for few lights 0.26 s instead of 0.42 s.
 // Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform

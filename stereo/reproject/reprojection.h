@@ -41,8 +41,8 @@ struct Reprojection {
 
 /// What a pixel was shaded with: the index of a mask in use (0 = first), plus kOtherEye if that mask was
 /// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or kFirstFace
-/// plus the index of a face of the cube mask; or one of the three last values. kSourceRays: no mask was
-/// asked, the client's own rays have decided all lights.
+/// plus the index of a face of the cube mask; or one of the three last values. kSourceRays: the
+/// newest mask does not know the point, and the client's own rays have decided all lights.
 inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kFirstFace = FARSHADE_FIRST_FACE,
                               kNeighbour = FARSHADE_NEIGHBOUR, kSourceRays = FARSHADE_SOURCE_RAYS,
                               kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
